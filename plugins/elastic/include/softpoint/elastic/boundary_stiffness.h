@@ -73,7 +73,7 @@ struct BoundaryStiffness {
   // frame. Solve E S u = f + gravity_columns b.
   std::vector<double> gravity_columns;
 
-  // V^-1 W for 1 Pa: 3F x 3V, column-major, 1/m, empty unless asked for. Face tractions t = E T u in Pa,
+  // V^-1 W for 1 Pa: 3F x 3V, row-major, 1/m, empty unless asked for. Face tractions t = E T u in Pa,
   // constant over each triangle, without body force; rows 3 f + {0, 1, 2}.
   std::vector<double> unit_traction;
 

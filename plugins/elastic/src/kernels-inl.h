@@ -1,0 +1,26 @@
+// The body of every kernels_*.cpp: SOFTPOINT_KERNEL_NAME and SOFTPOINT_KERNEL_LANES are set before.
+#include "kernels.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+// Nameless, and the code calls nothing outside: no symbol but the table leaves this file.
+namespace {
+
+#include "pack-inl.h"
+// after pack
+#include "layer_potentials-inl.h"
+// after both
+#include "dense-inl.h"
+
+constexpr Kernels kKernels = {
+    kLanes,    kRows* kDepth + kColumns* kDepth, layer_potentials, cholesky, divide_transposed, divide,
+    add_square};
+
+}  // namespace
+
+const Kernels* SOFTPOINT_KERNEL_NAME() { return &kKernels; }
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic

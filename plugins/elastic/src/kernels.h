@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+
+#include "softpoint/core/config.h"
+
+// The two heavy kernels, built once per instruction set and chosen at run time. This header and what the
+// kernels_*.cpp include must hold no inline function or template of the standard library or Eigen: the
+// linker would merge a copy compiled for AVX into code that runs everywhere.
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+
+// What layer_potentials wants to know of a triangle (v0, v1, v2), one row of doubles each.
+enum PanelField {
+  kFieldVertex = 0,      // 9: v0, v1, v2
+  kFieldNormal = 9,      // 3: n
+  kFieldTangent = 12,    // 9: tau_k, unit vector from v_k to v_k+1
+  kFieldConormal = 21,   // 9: m_k = tau_k x n
+  kFieldLength = 30,     // 3: |v_k+1 - v_k|
+  kFieldGradient = 33,   // 6: g_0, g_1
+  kFieldTwiceArea = 39,  // 1
+  kPanelFields = 40
+};
+
+// What it returns, summed over the points with their weights.
+enum PanelIntegral {
+  kSingle = 0,  // int 1/R
+  kTensor = 1,  // 6: int r r^T / R^3, xx yy zz xy xz yz
+  kDouble = 7,  // 3: int d/dn(1/R) phi_a
+  kPanelIntegrals = 10
+};
+
+struct Kernels {
+  int lanes;
+  std::ptrdiff_t scratch;  // doubles that the dense kernels want
+
+  // Integrals over `lanes` triangles, seen from `count` points (x, y, z, weight). Field k of lane i is
+  // fields[k * stride + i]; integral k of lane i goes to out[k * lanes + i]. Equations (6) to (10) of
+  // doc/boundary_elements.md.
+  void (*layer_potentials)(const double* fields, std::ptrdiff_t stride, const double* points, int count,
+                           double* out);
+
+  // Column-major throughout; only the lower triangles of a, l and s are read or written, except that
+  // blocks on the diagonal of `a` and `s` may leave anything above it.
+  // a = L L^T in place; false when `a` (n x n) is not positive definite.
+  bool (*cholesky)(double* a, std::ptrdiff_t n, std::ptrdiff_t lda, double* scratch);
+  // x <- x L^-T and x <- x L^-1, x being m x n.
+  void (*divide_transposed)(double* x, std::ptrdiff_t m, std::ptrdiff_t ldx, const double* l,
+                            std::ptrdiff_t n, std::ptrdiff_t ldl, double* scratch);
+  void (*divide)(double* x, std::ptrdiff_t m, std::ptrdiff_t ldx, const double* l, std::ptrdiff_t n,
+                 std::ptrdiff_t ldl, double* scratch);
+  // s += x x^T, s being m x m, x being m x n.
+  void (*add_square)(double* s, std::ptrdiff_t m, std::ptrdiff_t lds, const double* x, std::ptrdiff_t n,
+                     std::ptrdiff_t ldx, double* scratch);
+};
+
+// Null when this compiler or processor family has no such variant.
+const Kernels* kernels_baseline();
+const Kernels* kernels_avx2();
+const Kernels* kernels_avx512();
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic
