@@ -1,0 +1,104 @@
+#pragma once
+
+#include <BulletSoftBody/btSoftBody.h>
+
+#include <memory>
+#include <vector>
+
+#include "softpoint/core/profile.h"
+#include "softpoint/core/surface.h"
+#include "softpoint/core/triangle_mesh.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+class DeformableSystem;
+
+// Base of everything soft. To the Bullet world it is a btSoftBody that serves as mirror and
+// collision proxy: the truth is kept here in double precision, and nodes, faces, face tree and
+// bounds of the btSoftBody follow it once a step. Never add it with addSoftBody (a stock solver
+// would integrate it a second time): use DeformableSystem::add.
+//
+// Friction and restitution are those of btCollisionObject (setFriction, setRestitution) and combine
+// with the collider's as Bullet combines them.
+class Deformable : public btSoftBody, public Surface {
+ public:
+  ~Deformable() override;
+  Deformable(const Deformable&) = delete;
+  Deformable& operator=(const Deformable&) = delete;
+
+  std::span<const Vec3> points() const override { return positions_; }
+  std::span<const Vec3> velocities() const override { return velocities_; }
+  std::span<const Triangle> faces() const override { return triangles_; }
+  void apply_impulse(int face, const Vec3& weights, const Vec3& impulse) override;
+
+  std::span<const double> masses() const { return masses_; }         // kg, one per point
+  double total_mass() const { return total_mass_; }                  // kg
+  Vec3 center_of_mass() const;                                       // m
+  Vec3 momentum() const;                                             // kg m/s
+  Vec3 angular_momentum(const Vec3& about = Vec3::Zero()) const;     // kg m2/s
+  double kinetic_energy() const;                                     // J
+  virtual double elastic_energy() const = 0;                         // J
+
+  // Extra acceleration of this body alone (m/s2), added to the world's gravity.
+  void set_acceleration(const Vec3& acceleration);
+
+  // Times the last-resort guard put this body back to its last finite state.
+  long long guard_fired() const { return guard_fired_; }
+
+  // The system this body is attached to, or null.
+  DeformableSystem* system() const { return system_; }
+
+  // Bullet's own serializer writes past its struct in double precision; ours refuses to take part.
+  int calculateSerializeBufferSize() const override;
+  const char* serialize(void* buffer, btSerializer* serializer) const override;
+
+ protected:
+  // `positions` in world coordinates (m), `masses` (kg) > 0 per point.
+  Deformable(std::vector<Vec3> positions, std::vector<Triangle> triangles, std::vector<double> masses);
+
+  // The four stages a plugin brings. None may allocate after the first step, throw or log.
+  //
+  // 1. Free motion: fill end_positions_ with where the points would be after `dt` seconds without
+  //    contact. velocities_ already holds gravity and queued impulses.
+  virtual void predict(double dt) = 0;
+  // 2. Compliance: `blocks`, column-major 3n x 3n with n = touched.size(), receives the velocity change
+  //    (m/s) of touched point i per impulse (N s) on touched point j, for the step begun by predict().
+  virtual void compliance(std::span<const int> touched, double* blocks) = 0;
+  // 3. Response: end_positions_ = free_positions_ + dt * (velocity response to these impulses).
+  virtual void respond(std::span<const int> touched, std::span<const Vec3> impulses) = 0;
+  // 4. Commit: take end_positions_ as the new state. The base does x = end, v = (end - x) / dt.
+  virtual void commit(double dt);
+  // Called when the guard has put positions_ back and zeroed velocities_.
+  virtual void restored() {}
+
+  std::vector<Vec3> positions_;       // m, world
+  std::vector<Vec3> velocities_;      // m/s
+  std::vector<Vec3> end_positions_;   // m, at the end of the step as known so far
+  std::vector<Vec3> free_positions_;  // m, what predict() left in end_positions_
+  std::vector<double> masses_;
+  std::vector<Triangle> triangles_;
+  long long refactorizations_ = 0;
+
+ private:
+  friend class DeformableSystem;
+  friend class ContactFinder;
+  friend class ContactSolver;
+
+  void begin(double dt, const Vec3& gravity);
+  void finish(double dt);
+  void mirror(double dt);
+  void build_mirror();
+
+  btSoftBodyWorldInfo world_info_;
+  std::unique_ptr<btSoftBodySolver> mirror_solver_;
+  std::vector<Vec3> impulses_;  // queued by apply_impulse, N s
+  std::vector<std::array<int, 2>> edges_;
+  std::vector<std::array<int, 2>> edge_faces_;  // second is -1 on a boundary
+  Vec3 acceleration_ = Vec3::Zero();
+  double total_mass_ = 0;
+  bool impulses_queued_ = false;
+  long long guard_fired_ = 0;
+  DeformableSystem* system_ = nullptr;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

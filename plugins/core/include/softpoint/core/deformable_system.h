@@ -1,0 +1,96 @@
+#pragma once
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "softpoint/core/deformable.h"
+#include "softpoint/core/profile.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+// How contact is solved. The defaults are the knee of cost against error at 1/60 s.
+struct ContactSettings {
+  double margin = 1e-3;       // m, gap kept between skin and collider; 1e-5 to 0.1
+  double tolerance = 1e-6;    // m, a Gauss-Seidel sweep that moves no contact by more ends the solve
+  int max_iterations = 200;   // Gauss-Seidel sweeps a pass, 1 to 10000
+  int max_passes = 4;         // detection and solution rounds a substep, 1 to 20
+  double rebound_speed = 0.2; // m/s, slower impacts do not bounce
+  bool rigid_support = true;  // solve rigid-rigid contacts of touched piles together with ours
+};
+// Throws Error naming the field, its value and the permitted range.
+void check(const ContactSettings& settings);
+
+// One contact point of the last substep.
+struct ContactPoint {
+  const Deformable* body = nullptr;
+  const btCollisionObject* other = nullptr;
+  Vec3 point = Vec3::Zero();    // m, world, on the skin
+  Vec3 normal = Vec3::Zero();   // from the collider towards the body
+  Vec3 force = Vec3::Zero();    // N on the body, mean over the substep; the collider feels its opposite
+  double gap = 0;               // m, negative in penetration
+};
+
+// A point of a deformable met by a ray.
+struct RayHit {
+  Deformable* body = nullptr;
+  int face = -1;
+  int point = -1;  // the face's vertex nearest to the hit
+  Vec3 weights = Vec3::Zero();
+  Vec3 position = Vec3::Zero();  // m
+  double fraction = 0;           // 0 at `from`, 1 at `to`
+};
+
+// Identifies a handle; never reused within a system.
+using HandleId = long long;
+
+// Ties deformables to one btDiscreteDynamicsWorld or any of its four stock descendants, unpatched.
+// Construction attaches (one action, a tap behind the constraint solver, collision functions for soft
+// shapes), destruction detaches and leaves the world as it was. Destroy it before the world, and do
+// not replace the world's constraint solver in between. One system per world.
+//
+//   btDiscreteDynamicsWorld world(...);
+//   softpoint::DeformableSystem soft(world);
+//   soft.add(body);
+//   world.stepSimulation(dt);
+class DeformableSystem {
+ public:
+  explicit DeformableSystem(btDiscreteDynamicsWorld& world, const ContactSettings& settings = {});
+  ~DeformableSystem();
+  DeformableSystem(const DeformableSystem&) = delete;
+  DeformableSystem& operator=(const DeformableSystem&) = delete;
+
+  // The body stays the caller's; destroying it removes it.
+  void add(Deformable& body, int group = btBroadphaseProxy::DefaultFilter,
+           int mask = btBroadphaseProxy::AllFilter);
+  void remove(Deformable& body);
+  std::span<Deformable* const> bodies() const;
+
+  // Nearest face hit by the segment from..to (m), in any world.
+  std::optional<RayHit> pick(const Vec3& from, const Vec3& to) const;
+
+  // Dragging. A handle holds one point of a body at `target` (m) from the next step on; max_force (N)
+  // limits its pull, infinity makes it a pin that is moved exactly. Where several hold one point, all pull.
+  HandleId grab(Deformable& body, int point, const Vec3& target,
+                double max_force = std::numeric_limits<double>::infinity());
+  void move(HandleId handle, const Vec3& target);
+  void release(HandleId handle);
+  // Force of a handle on its body in the last substep (N).
+  Vec3 handle_force(HandleId handle) const;
+
+  // Contact points of the last substep that pushed.
+  std::span<const ContactPoint> contacts() const;
+
+  const Profile& profile() const;
+  const ContactSettings& settings() const;
+  void set_settings(const ContactSettings& settings);
+  btDiscreteDynamicsWorld& world() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

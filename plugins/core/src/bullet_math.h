@@ -1,0 +1,43 @@
+#pragma once
+
+#include <LinearMath/btTransform.h>
+
+#include <Eigen/Geometry>
+
+#include "softpoint/core/vec.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+inline Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+inline btVector3 to_bullet(const Vec3& v) { return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())}; }
+
+inline Mat3 from_bullet(const btMatrix3x3& m) {
+  Mat3 result;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      result(r, c) = m[r][c];
+    }
+  }
+  return result;
+}
+
+// Cross-product matrix: cross(a) * b = a x b.
+inline Mat3 cross_matrix(const Vec3& a) {
+  Mat3 m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
+// A rigid placement in double precision: world = rotation * local + origin.
+struct Pose {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 origin = Vec3::Zero();
+
+  Vec3 to_world(const Vec3& local) const { return rotation * local + origin; }
+  Vec3 to_local(const Vec3& world) const { return rotation.transpose() * (world - origin); }
+  Pose operator*(const Pose& child) const { return {rotation * child.rotation, to_world(child.origin)}; }
+};
+
+inline Pose from_bullet(const btTransform& t) { return {from_bullet(t.getBasis()), from_bullet(t.getOrigin())}; }
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

@@ -1,0 +1,200 @@
+#include "collider_shape.h"
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "hull_features.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+namespace {
+
+// Everything a ColliderShape depends on, in eight numbers.
+void fingerprint(const btCollisionShape& shape, double (&out)[8]) {
+  std::fill(std::begin(out), std::end(out), 0.0);
+  out[0] = shape.getShapeType();
+  out[1] = shape.getMargin();
+  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) {
+    const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+    const Vec3 n = from_bullet(plane.getPlaneNormal());
+    std::copy(n.data(), n.data() + 3, out + 2);
+    out[5] = plane.getPlaneConstant();
+    return;
+  }
+  btVector3 low, high;
+  shape.getAabb(btTransform::getIdentity(), low, high);
+  const Vec3 a = from_bullet(low), b = from_bullet(high);
+  std::copy(a.data(), a.data() + 3, out + 2);
+  std::copy(b.data(), b.data() + 3, out + 5);
+}
+
+void add_box_features(ColliderShape& s) {
+  for (int i = 0; i < 8; ++i) {
+    s.corners.push_back(s.half.cwiseProduct(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int k = 0; k < 4; ++k) {
+      const double su = k & 1 ? 1 : -1, sv = k & 2 ? 1 : -1;
+      ShapeEdge edge;
+      edge.a[axis] = -s.half[axis];
+      edge.b[axis] = s.half[axis];
+      edge.a[u] = edge.b[u] = su * s.half[u];
+      edge.a[v] = edge.b[v] = sv * s.half[v];
+      edge.into_first[u] = -su;
+      edge.into_second[v] = -sv;
+      s.edges.push_back(edge);
+    }
+  }
+}
+
+ColliderShape build(const btCollisionShape& shape) {
+  ColliderShape s;
+  btVector3 low, high;
+  shape.getAabb(btTransform::getIdentity(), low, high);
+  s.bounds_min = from_bullet(low);
+  s.bounds_max = from_bullet(high);
+  s.thinnest = (s.bounds_max - s.bounds_min).minCoeff();
+  switch (shape.getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE: {
+      const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+      s.kind = ColliderShape::Kind::plane;
+      s.plane_normal = from_bullet(plane.getPlaneNormal()).normalized();
+      s.plane_offset = plane.getPlaneConstant();
+      s.thinnest = std::numeric_limits<double>::infinity();
+      break;
+    }
+    case SPHERE_SHAPE_PROXYTYPE:
+      s.kind = ColliderShape::Kind::sphere;
+      s.radius = static_cast<const btSphereShape&>(shape).getRadius();
+      s.corners.push_back(Vec3::Zero());
+      s.feature_radius = s.radius;
+      break;
+    case BOX_SHAPE_PROXYTYPE:
+      s.kind = ColliderShape::Kind::box;
+      s.half = from_bullet(static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin());
+      add_box_features(s);
+      break;
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      s.kind = ColliderShape::Kind::capsule;
+      s.axis = capsule.getUpAxis();
+      s.radius = capsule.getRadius();
+      s.half[s.axis] = capsule.getHalfHeight();
+      s.corners = {-s.half, s.half};
+      ShapeEdge core;
+      core.a = -s.half;
+      core.b = s.half;
+      s.edges.push_back(core);
+      s.feature_radius = s.radius;
+      break;
+    }
+    default:
+      if (shape.isConvex()) {
+        s.kind = ColliderShape::Kind::convex;
+        s.convex = static_cast<const btConvexShape*>(&shape);
+        add_hull_features(s);
+      }
+      break;
+  }
+  return s;
+}
+
+SurfaceDistance box_distance(const Vec3& half, const Vec3& p) {
+  const Vec3 nearest = p.cwiseMax(-half).cwiseMin(half);
+  const Vec3 offset = p - nearest;
+  const double outside = offset.norm();
+  if (outside > 1e-12) {
+    return {outside, offset / outside};
+  }
+  const Vec3 depth = p.cwiseAbs() - half;  // <= 0
+  int axis = 0;
+  const double distance = depth.maxCoeff(&axis);
+  Vec3 normal = Vec3::Zero();
+  normal[axis] = p[axis] < 0 ? -1.0 : 1.0;
+  return {distance, normal};
+}
+
+SurfaceDistance ball_distance(const Vec3& center, double radius, const Vec3& p, int side) {
+  const Vec3 offset = p - center;
+  const double length = offset.norm();
+  if (length > 1e-12) {
+    return {length - radius, offset / length};
+  }
+  Vec3 normal = Vec3::Zero();
+  normal[side] = 1.0;  // at the centre every direction is as good
+  return {-radius, normal};
+}
+
+// Inside a polyhedron the nearest face plane is exact and cheap; elsewhere Bullet's GJK and EPA answer.
+// Both count the shape's margin as part of it, as Bullet's own contacts do.
+SurfaceDistance convex_distance(const ColliderShape& s, const Vec3& p) {
+  SurfaceDistance nearest{-std::numeric_limits<double>::infinity(), Vec3::UnitY()};
+  for (const ShapePlane& plane : s.planes) {
+    const double distance = plane.normal.dot(p) - plane.offset;
+    if (distance > nearest.distance) {
+      nearest = {distance, plane.normal};
+    }
+  }
+  if (!s.planes.empty() && nearest.distance <= 0.0) {
+    return {nearest.distance - s.feature_radius, nearest.normal};
+  }
+  btGjkEpaSolver2::sResults result;
+  const btScalar distance =
+      btGjkEpaSolver2::SignedDistance(to_bullet(p), 0, s.convex, btTransform::getIdentity(), result);
+  const Vec3 normal = from_bullet(result.normal);
+  const double length = normal.norm();
+  if (distance >= SIMD_INFINITY || !(length > 0.5)) {
+    return {std::numeric_limits<double>::infinity(), Vec3::UnitY()};
+  }
+  return {double(distance), normal / length};
+}
+
+}  // namespace
+
+SurfaceDistance ColliderShape::distance(const Vec3& p) const {
+  switch (kind) {
+    case Kind::plane:
+      return {plane_normal.dot(p) - plane_offset, plane_normal};
+    case Kind::sphere:
+      return ball_distance(Vec3::Zero(), radius, p, 1);
+    case Kind::box:
+      return box_distance(half, p);
+    case Kind::capsule: {
+      Vec3 center = Vec3::Zero();
+      center[axis] = std::clamp(p[axis], -half[axis], half[axis]);
+      return ball_distance(center, radius, p, (axis + 1) % 3);
+    }
+    case Kind::convex:
+      return convex_distance(*this, p);
+    case Kind::unsupported:
+      break;
+  }
+  return {std::numeric_limits<double>::infinity(), Vec3::UnitY()};
+}
+
+bool ColliderShape::beyond(const Vec3& p, double reach) const {
+  if (kind == Kind::plane) {
+    return plane_normal.dot(p) - plane_offset > reach;
+  }
+  return (p - bounds_max).maxCoeff() > reach || (bounds_min - p).maxCoeff() > reach;
+}
+
+const ColliderShape& ColliderShapes::get(const btCollisionShape& shape) {
+  double now[8];
+  fingerprint(shape, now);
+  Entry& entry = entries_[&shape];
+  if (std::memcmp(entry.fingerprint, now, sizeof now) != 0) {
+    entry.shape = build(shape);
+    std::copy(std::begin(now), std::end(now), entry.fingerprint);
+  }
+  return entry.shape;
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
+
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "bullet_math.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+// Distance (m, negative inside) and outward unit normal of a shape's surface, in the shape's frame.
+struct SurfaceDistance {
+  double distance = 0;
+  Vec3 normal = Vec3::UnitY();
+};
+
+// An edge of a rigid shape: from a to b, with the unit directions that lead from the edge into its two
+// faces (both zero on a round shape's core segment, which has no faces).
+struct ShapeEdge {
+  Vec3 a, b;
+  Vec3 into_first = Vec3::Zero();
+  Vec3 into_second = Vec3::Zero();
+};
+
+// A face plane of a polyhedron: normal . x = offset.
+struct ShapePlane {
+  Vec3 normal;
+  double offset;
+};
+
+// What contact needs of a collision shape, in its local frame and scale.
+struct ColliderShape {
+  enum class Kind { plane, sphere, box, capsule, convex, unsupported };
+
+  Kind kind = Kind::unsupported;
+  Vec3 half = Vec3::Zero();           // box: half extents; capsule: half height along `axis`
+  double radius = 0;                  // sphere, capsule
+  int axis = 1;                       // capsule
+  Vec3 plane_normal = Vec3::UnitY();  // plane: normal . x = plane_offset
+  double plane_offset = 0;
+  const btConvexShape* convex = nullptr;
+  std::vector<ShapePlane> planes;     // convex polyhedra, without margin
+
+  // Corners and edges that can press into a skin, each thickened by feature_radius.
+  std::vector<Vec3> corners;
+  std::vector<ShapeEdge> edges;
+  double feature_radius = 0;
+
+  Vec3 bounds_min = Vec3::Zero();  // local axis-aligned bounds (unused for planes)
+  Vec3 bounds_max = Vec3::Zero();
+  double thinnest = 0;             // m, smallest distance across
+
+  SurfaceDistance distance(const Vec3& local) const;
+  // Conservative: farther than `reach` from the shape for certain.
+  bool beyond(const Vec3& local, double reach) const;
+};
+
+// Builds and keeps ColliderShapes by address; rebuilds one whose dimensions changed.
+class ColliderShapes {
+ public:
+  const ColliderShape& get(const btCollisionShape& shape);
+
+ private:
+  struct Entry {
+    ColliderShape shape;
+    double fingerprint[8] = {};
+  };
+  std::unordered_map<const btCollisionShape*, Entry> entries_;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collider_shape.h"
+#include "rigid_state.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+// Which features touch. Together with body, object and shape it names a contact over passes and steps.
+enum class ContactKind : std::int8_t { vertex, corner, edge };
+
+// One contact between a deformable (as up to three weighted points) and a rigid feature.
+struct Contact {
+  // Identity.
+  int body = 0;  // index into the system's bodies
+  const btCollisionObject* object = nullptr;
+  const btCollisionShape* shape = nullptr;
+  ContactKind kind = ContactKind::vertex;
+  int rigid_feature = -1;  // corner or edge of the shape
+  int skin_feature = -1;   // vertex or edge of the deformable; a corner slides freely over faces
+
+  // Geometry at the last detection, end-of-step configuration.
+  int rigid = -1;  // index into RigidStates
+  int count = 0;
+  std::array<int, 3> points{};
+  std::array<double, 3> weights{};
+  Vec3 normal = Vec3::UnitY();  // from the collider towards the deformable
+  double gap = 0;               // m beyond the margin; negative needs a push
+  Vec3 arm = Vec3::Zero();      // m, contact point at the start of the step from the collider's centre of mass
+  bool seen = false;            // found by the detection of this pass
+
+  double friction = -1;  // negative until the pair has been asked
+  double restitution = 0;
+  double approach = 0;  // m/s, speed of the impact that a rebound still has to answer
+  double rebound = 0;   // m/s, separation speed asked for in this step
+
+  Vec3 impulse = Vec3::Zero();  // N s on the deformable over the substep
+};
+
+// A collision shape placed on an object, as one detection sees it.
+struct ShapeInstance {
+  int rigid = -1;
+  const btCollisionShape* shape = nullptr;
+  const ColliderShape* collider = nullptr;
+  Pose local;  // of the shape on its object
+};
+
+// Contacts with lookup by identity. Keeps its storage from step to step.
+class ContactTable {
+ public:
+  void clear();
+  // The contact with this identity, made (with zero impulse) when new.
+  Contact& find_or_add(const Contact& identity);
+  Contact* find(const Contact& identity);
+  // Drops contacts for which `drop` is true, keeping the order of the rest.
+  template <class Predicate>
+  void erase_if(Predicate drop) {
+    std::erase_if(contacts_, drop);
+    rebuild();
+  }
+
+  std::vector<Contact>& all() { return contacts_; }
+  const std::vector<Contact>& all() const { return contacts_; }
+
+ private:
+  void rebuild();
+  std::size_t slot(const Contact& identity) const;
+
+  std::vector<Contact> contacts_;
+  std::vector<int> slots_;  // open addressing, -1 is free; size a power of two
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

@@ -1,0 +1,255 @@
+#include "contact_solver.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace softpoint::inline SOFTPOINT_ABI {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void ContactSolver::begin_step(std::span<Deformable* const> bodies, double dt) {
+  dt_ = dt;
+  touched_.resize(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    touched_[b].local.assign(bodies[b]->positions_.size(), -1);
+    touched_[b].points.clear();
+  }
+}
+
+void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
+                                    const std::vector<Handle>& handles, Profile& profile) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Touched& touched = touched_[b];
+    const std::size_t before = touched.points.size();
+    const auto touch = [&](int point) {
+      if (touched.local[at(point)] < 0) {
+        touched.local[at(point)] = 0;
+        touched.points.push_back(point);
+      }
+    };
+    for (const Contact& contact : contacts) {
+      for (int k = 0; contact.body == static_cast<int>(b) && k < contact.count; ++k) {
+        touch(contact.points[at(k)]);
+      }
+    }
+    for (const Handle& handle : handles) {
+      if (handle.body == static_cast<int>(b)) {
+        touch(handle.point);
+      }
+    }
+    const std::size_t count = touched.points.size();
+    if (count != before) {  // points stay touched over the passes of a step
+      std::sort(touched.points.begin(), touched.points.end());
+      for (std::size_t i = 0; i < count; ++i) {
+        touched.local[at(touched.points[i])] = static_cast<int>(i);
+      }
+      StageTimer timer(profile.seconds.compliance);
+      touched.blocks.resize(9 * count * count);
+      bodies[b]->compliance(touched.points, touched.blocks.data());
+    }
+    touched.reference.resize(count);
+    touched.displacement.assign(count, Vec3::Zero());
+    touched.impulses.assign(count, Vec3::Zero());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t v = at(touched.points[i]);
+      touched.reference[i] = bodies[b]->end_positions_[v] - bodies[b]->free_positions_[v];
+    }
+  }
+}
+
+// Displacement of a point of body `touched` by an impulse on touched point `local`, added to all touched points.
+void ContactSolver::spread(Touched& touched, int local, const Vec3& impulse) {
+  const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
+  Eigen::Map<Eigen::VectorXd> displacement(touched.displacement.front().data(), n);
+  const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
+  const Vec3 step = dt_ * impulse;
+  displacement.noalias() += blocks.col(3 * local) * step.x();
+  displacement.noalias() += blocks.col(3 * local + 1) * step.y();
+  displacement.noalias() += blocks.col(3 * local + 2) * step.z();
+  touched.impulses[at(local)] += impulse;
+}
+
+Vec3 ContactSolver::moved(const Contact& contact, const Row& row, const std::vector<Vec3> Touched::*field) const {
+  const std::vector<Vec3>& values = touched_[at(contact.body)].*field;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < at(contact.count); ++k) {
+    sum += contact.weights[k] * values[at(row.local[k])];
+  }
+  return sum;
+}
+
+void ContactSolver::add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid) {
+  Touched& touched = touched_[at(contact.body)];
+  for (std::size_t k = 0; k < at(contact.count); ++k) {
+    spread(touched, row.local[k], contact.weights[k] * impulse);
+  }
+  RigidState& other = rigid[contact.rigid];
+  if (other.movable()) {
+    other.push(-impulse, contact.arm);
+    other.changed = true;
+  }
+}
+
+void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
+                                 std::vector<Handle>& handles, RigidStates& rigid) {
+  rows_.resize(contacts.size());
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    Contact& contact = contacts[c];
+    Row& row = rows_[c];
+    const Touched& touched = touched_[at(contact.body)];
+    const Deformable& body = *bodies[at(contact.body)];
+    const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
+    const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
+    row.slip_base.setZero();
+    for (std::size_t k = 0; k < at(contact.count); ++k) {
+      const std::size_t v = at(contact.points[k]);
+      row.local[k] = touched.local[v];
+      row.slip_base += contact.weights[k] * (body.free_positions_[v] - body.positions_[v]);
+    }
+    const RigidState& other = rigid[contact.rigid];
+    row.compliance = other.movable() ? other.compliance(contact.arm, contact.arm) : Mat3(Mat3::Zero());
+    for (std::size_t i = 0; i < at(contact.count); ++i) {
+      for (std::size_t j = 0; j < at(contact.count); ++j) {
+        row.compliance += contact.weights[i] * contact.weights[j] *
+                          blocks.block<3, 3>(3 * row.local[i], 3 * row.local[j]);
+      }
+    }
+    row.compliance *= dt_;
+    const Vec3& n_ = contact.normal;
+    row.tangent_a = n_.cross(std::abs(n_.x()) > 0.7 ? Vec3::UnitY() : Vec3::UnitX()).normalized();
+    row.tangent_b = n_.cross(row.tangent_a);
+    row.normal_gain = 1.0 / n_.dot(row.compliance * n_);
+    Eigen::Matrix2d tangent;
+    tangent << row.tangent_a.dot(row.compliance * row.tangent_a), row.tangent_a.dot(row.compliance * row.tangent_b),
+        row.tangent_b.dot(row.compliance * row.tangent_a), row.tangent_b.dot(row.compliance * row.tangent_b);
+    row.tangent_inverse = tangent.inverse();
+    // The gap was measured with the positions and velocities of the last detection; count from the free end.
+    row.gap_base = contact.gap - n_.dot(moved(contact, row, &Touched::reference) -
+                                        dt_ * other.velocity_of(contact.arm));
+  }
+  // Only now start from the impulses themselves: features and weights may have changed since they acted.
+  for (int i = 0; i < rigid.size(); ++i) {
+    if (rigid[i].movable()) {
+      rigid[i].velocity = rigid[i].free_velocity;
+      rigid[i].angular_velocity = rigid[i].free_angular_velocity;
+    }
+  }
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    Contact& contact = contacts[c];
+    const double push = std::max(contact.normal.dot(contact.impulse), 0.0);
+    if (!contact.seen || push == 0.0) {
+      contact.impulse.setZero();
+      continue;
+    }
+    // Back into the cone round the present normal.
+    Vec3 friction = contact.impulse - contact.normal.dot(contact.impulse) * contact.normal;
+    const double limit = contact.friction * push, length = friction.norm();
+    if (length > limit) {
+      friction *= limit / length;
+    }
+    contact.impulse = push * contact.normal + friction;
+    add_impulse(contact, rows_[c], contact.impulse, rigid);
+  }
+  handle_rows_.resize(handles.size());
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    const Handle& handle = handles[h];
+    Touched& touched = touched_[at(handle.body)];
+    const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
+    const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
+    HandleRow& row = handle_rows_[h];
+    row.local = touched.local[at(handle.point)];
+    row.inverse = (dt_ * blocks.block<3, 3>(3 * row.local, 3 * row.local)).inverse();
+    row.base = bodies[at(handle.body)]->free_positions_[at(handle.point)] - handle.target;
+    spread(touched, row.local, handle.impulse);
+  }
+}
+
+double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid) {
+  double largest = 0.0;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    Contact& contact = contacts[c];
+    if (!contact.seen) {
+      continue;
+    }
+    const Row& row = rows_[c];
+    const Vec3& n = contact.normal;
+    const Vec3 motion = moved(contact, row, &Touched::displacement) -
+                        dt_ * rigid[contact.rigid].velocity_of(contact.arm);
+    // Signorini: gap >= 0, push >= 0, one of them zero.
+    const double gap = row.gap_base + n.dot(motion) - dt_ * contact.rebound;
+    const double push = n.dot(contact.impulse);
+    const double new_push = std::max(0.0, push - gap * row.normal_gain);
+    if (new_push == 0.0 && contact.impulse == Vec3::Zero()) {
+      continue;
+    }
+    Vec3 change = (new_push - push) * n;
+    // Coulomb: no slip over the step inside the cone, friction against the slip on it.
+    const Vec3 slip = row.slip_base + motion + row.compliance * change;
+    const Eigen::Vector2d old_friction(row.tangent_a.dot(contact.impulse), row.tangent_b.dot(contact.impulse));
+    Eigen::Vector2d friction =
+        old_friction - row.tangent_inverse * Eigen::Vector2d(row.tangent_a.dot(slip), row.tangent_b.dot(slip));
+    const double limit = contact.friction * new_push, length = friction.norm();
+    if (length > limit) {
+      friction *= limit / length;
+    }
+    change += (friction.x() - old_friction.x()) * row.tangent_a + (friction.y() - old_friction.y()) * row.tangent_b;
+    contact.impulse += change;
+    add_impulse(contact, row, change, rigid);
+    largest = std::max(largest, (row.compliance * change).norm());
+  }
+  return largest;
+}
+
+double ContactSolver::sweep_handles(std::vector<Handle>& handles) {
+  double largest = 0.0;
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    Handle& handle = handles[h];
+    const HandleRow& row = handle_rows_[h];
+    Touched& touched = touched_[at(handle.body)];
+    const Vec3 error = row.base + touched.displacement[at(row.local)];
+    Vec3 impulse = handle.impulse - row.inverse * error;
+    const double limit = handle.max_force * dt_, length = impulse.norm();
+    if (length > limit) {
+      impulse *= limit / length;
+    }
+    const Vec3 change = impulse - handle.impulse;
+    handle.impulse = impulse;
+    spread(touched, row.local, change);
+    largest = std::max(largest, limit > length ? error.norm() : 0.0);
+  }
+  return largest;
+}
+
+void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
+                          std::vector<Handle>& handles, SupportContacts& support, RigidStates& rigid,
+                          const ContactSettings& settings, Profile& profile) {
+  collect_touched(bodies, contacts, handles, profile);
+  StageTimer timer(profile.seconds.solve);
+  prepare_rows(bodies, contacts, handles, rigid);
+  support.reapply(rigid);
+  for (int i = 0; i < settings.max_iterations; ++i) {
+    double change = sweep_contacts(contacts, rigid);
+    change = std::max(change, sweep_handles(handles));
+    change = std::max(change, support.sweep(rigid, dt_));
+    ++profile.counts.iterations;
+    profile.counts.residual = change;
+    if (change < settings.tolerance) {
+      break;
+    }
+  }
+  for (int i = 0; i < rigid.size(); ++i) {
+    rigid[i].integrate(dt_);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!touched_[b].points.empty()) {
+      bodies[b]->respond(touched_[b].points, touched_[b].impulses);
+    }
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

@@ -1,0 +1,143 @@
+#include "softpoint/core/deformable_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "deformable_system_impl.h"
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+namespace {
+
+btCollisionDispatcher& dispatcher_of(btDiscreteDynamicsWorld& world) {
+  auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(world.getDispatcher());
+  if (dispatcher == nullptr) {
+    throw Error("DeformableSystem: the world's dispatcher is of an unknown kind; permitted is a btCollisionDispatcher");
+  }
+  return *dispatcher;
+}
+
+}  // namespace
+
+void check(const ContactSettings& s) {
+  check_range("ContactSettings.margin", s.margin, 1e-5, 0.1);
+  check_range("ContactSettings.tolerance", s.tolerance, 1e-12, 1e-2);
+  check_range("ContactSettings.max_iterations", s.max_iterations, 1, 10000);
+  check_range("ContactSettings.max_passes", s.max_passes, 1, 20);
+  check_not_negative("ContactSettings.rebound_speed", s.rebound_speed);
+}
+
+DeformableSystem::Impl::Impl(btDiscreteDynamicsWorld& w, const ContactSettings& s)
+    : world(w), settings(s), tap_(w, *this), pairs_hook_(dispatcher_of(w), *this) {
+  world.addAction(this);
+}
+
+DeformableSystem::Impl::~Impl() { world.removeAction(this); }
+
+DeformableSystem::DeformableSystem(btDiscreteDynamicsWorld& world, const ContactSettings& settings) {
+  check(settings);
+  impl_ = std::make_unique<Impl>(world, settings);
+}
+
+DeformableSystem::~DeformableSystem() {
+  while (!impl_->bodies.empty()) {
+    remove(*impl_->bodies.back());
+  }
+}
+
+void DeformableSystem::add(Deformable& body, int group, int mask) {
+  if (body.system_ != nullptr) {
+    throw Error("DeformableSystem::add: the body is already in a system; permitted is a body in none");
+  }
+  body.system_ = this;
+  impl_->bodies.push_back(&body);
+  body.mirror(1.0 / 60.0);
+  impl_->world.addCollisionObject(&body, group, mask);
+}
+
+void DeformableSystem::remove(Deformable& body) {
+  if (body.system_ != this) {
+    throw Error("DeformableSystem::remove: the body is not in this system");
+  }
+  impl_->world.removeCollisionObject(&body);
+  impl_->forget(body);
+  body.system_ = nullptr;
+}
+
+void DeformableSystem::Impl::forget(const Deformable& body) {
+  const int gone = index_of(body);
+  contacts_.erase_if([&](const Contact& c) { return c.body == gone; });
+  std::erase_if(handles, [&](const Handle& h) { return h.body == gone; });
+  std::erase_if(pairs_, [&](const Pair& p) { return p.body == gone; });
+  std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == &body; });
+  for (Contact& contact : contacts_.all()) {
+    contact.body -= contact.body > gone;
+  }
+  contacts_.erase_if([](const Contact&) { return false; });  // identities changed: index them anew
+  for (Handle& h : handles) {
+    h.body -= h.body > gone;
+  }
+  bodies.erase(bodies.begin() + gone);
+}
+
+std::span<Deformable* const> DeformableSystem::bodies() const { return impl_->bodies; }
+
+int DeformableSystem::Impl::index_of(const Deformable& body) const {
+  return static_cast<int>(std::find(bodies.begin(), bodies.end(), &body) - bodies.begin());
+}
+
+Handle& DeformableSystem::Impl::handle(HandleId id, const char* caller) {
+  for (Handle& h : handles) {
+    if (h.id == id) {
+      return h;
+    }
+  }
+  throw Error(std::string(caller) + ": handle " + std::to_string(id) +
+              " is unknown; permitted is one that grab returned and release has not taken");
+}
+
+HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target, double max_force) {
+  if (body.system_ != this) {
+    throw Error("grab: the body is not in this system");
+  }
+  check_index("grab: point", point, static_cast<long long>(body.points().size()));
+  check_finite("grab: target", target);
+  if (!(max_force > 0.0)) {
+    throw Error("grab: max_force = " + to_text(max_force) + ": permitted is a number > 0, or infinity");
+  }
+  Handle handle;
+  handle.id = impl_->next_handle++;
+  handle.body = impl_->index_of(body);
+  handle.point = point;
+  handle.target = target;
+  handle.max_force = max_force;
+  impl_->handles.push_back(handle);
+  return handle.id;
+}
+
+void DeformableSystem::move(HandleId id, const Vec3& target) {
+  check_finite("move: target", target);
+  impl_->handle(id, "move").target = target;
+}
+
+void DeformableSystem::release(HandleId id) {
+  impl_->handle(id, "release");
+  std::erase_if(impl_->handles, [&](const Handle& h) { return h.id == id; });
+}
+
+Vec3 DeformableSystem::handle_force(HandleId id) const {
+  const Handle& handle = impl_->handle(id, "handle_force");
+  return impl_->last_step() > 0.0 ? Vec3(handle.impulse / impl_->last_step()) : Vec3(Vec3::Zero());
+}
+
+std::span<const ContactPoint> DeformableSystem::contacts() const { return impl_->contact_points; }
+const Profile& DeformableSystem::profile() const { return impl_->profile; }
+const ContactSettings& DeformableSystem::settings() const { return impl_->settings; }
+btDiscreteDynamicsWorld& DeformableSystem::world() const { return impl_->world; }
+
+void DeformableSystem::set_settings(const ContactSettings& settings) {
+  check(settings);
+  impl_->settings = settings;
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

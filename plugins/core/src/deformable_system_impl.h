@@ -1,0 +1,75 @@
+#pragma once
+
+#include <BulletDynamics/Dynamics/btActionInterface.h>
+
+#include "contact_finder.h"
+#include "contact_solver.h"
+#include "pair_algorithm.h"
+#include "softpoint/core/deformable_system.h"
+#include "solver_tap.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+// One substep, as Bullet calls it: pair_found for every near pair during collision detection, all_solved
+// before Bullet integrates positions, updateAction after.
+struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInterface {
+  Impl(btDiscreteDynamicsWorld& world, const ContactSettings& settings);
+  ~Impl() override;
+
+  bool owns(const btCollisionObject* object) const override;
+  void pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) override;
+  void all_solved(double dt) override;
+  void updateAction(btCollisionWorld* world, btScalar dt) override;
+  void debugDraw(btIDebugDraw* drawer) override;
+
+  int index_of(const Deformable& body) const;
+  Handle& handle(HandleId id, const char* caller);
+  void forget(const Deformable& body);
+  double last_step() const { return last_dt_; }  // s
+
+  btDiscreteDynamicsWorld& world;
+  ContactSettings settings;
+  std::vector<Deformable*> bodies;
+  std::vector<Handle> handles;
+  HandleId next_handle = 1;
+  std::vector<ContactPoint> contact_points;
+  Profile profile;
+
+ private:
+  struct Pair {
+    int body;
+    const btCollisionObject* other;
+  };
+  // The stages of a substep, in order.
+  void open_substep(double dt);       // pairs begin anew, colliders feel the contact forces of the last substep
+  void predict(double dt);            // free motion
+  void place_colliders(double dt);    // poses, velocities and shapes of what is near
+  void solve_contacts();              // detect and solve until the end of the step is free of penetration
+  void keep_contacts(double dt);      // readable contact forces, warm start of the next substep
+  void commit(double dt);             // new positions, guard, mirror
+
+  void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local);
+  double detect();
+  void prepare_new_contacts();
+
+  SolverTap tap_;
+  PairHook pairs_hook_;
+  std::vector<Pair> pairs_;
+  RigidStates rigid_;
+  ColliderShapes shapes_;
+  struct PlacedShape {
+    int body;
+    ShapeInstance instance;
+  };
+  std::vector<PlacedShape> placed_;
+  std::vector<char> near_features_;  // per body: some near shape has corners or edges
+  ContactFinder finder_;
+  ContactTable contacts_;
+  ContactSolver solver_;
+  SupportContacts support_;
+  double last_dt_ = 0;
+  bool open_ = false;
+  bool solved_ = false;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

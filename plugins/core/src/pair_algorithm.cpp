@@ -1,0 +1,85 @@
+#include "pair_algorithm.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+
+#include <new>
+
+namespace softpoint::inline SOFTPOINT_ABI {
+namespace {
+
+// Makes no contact manifold; it only says that the two are near.
+class PairAlgorithm final : public btCollisionAlgorithm {
+ public:
+  PairAlgorithm(const btCollisionAlgorithmConstructionInfo& info, PairListener& listener, bool swapped)
+      : btCollisionAlgorithm(info), listener_(listener), swapped_(swapped) {}
+
+  void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
+                        const btDispatcherInfo& info, btManifoldResult*) override {
+    if (info.m_dispatchFunc == btDispatcherInfo::DISPATCH_DISCRETE) {
+      const btCollisionObject* soft = (swapped_ ? b : a)->getCollisionObject();
+      listener_.pair_found(soft, (swapped_ ? a : b)->getCollisionObject(), info.m_timeStep);
+    }
+  }
+  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                 btManifoldResult*) override {
+    return 1;
+  }
+  void getAllContactManifolds(btManifoldArray&) override {}
+
+ private:
+  PairListener& listener_;
+  bool swapped_;
+};
+
+}  // namespace
+
+class PairHook::CreateFunc final : public btCollisionAlgorithmCreateFunc {
+ public:
+  CreateFunc(PairListener& listener, btCollisionAlgorithmCreateFunc* before, int first_type, int second_type)
+      : original(before), type_a(first_type), type_b(second_type), listener_(listener) {}
+
+  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                 const btCollisionObjectWrapper* a,
+                                                 const btCollisionObjectWrapper* b) override {
+    const bool first = listener_.owns(a->getCollisionObject());
+    if (!first && !listener_.owns(b->getCollisionObject())) {
+      return original->CreateCollisionAlgorithm(info, a, b);
+    }
+    void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(PairAlgorithm));
+    return new (memory) PairAlgorithm(info, listener_, !first);
+  }
+
+  btCollisionAlgorithmCreateFunc* original;
+  int type_a, type_b;
+
+ private:
+  PairListener& listener_;
+};
+
+PairHook::PairHook(btCollisionDispatcher& dispatcher, PairListener& listener)
+    : dispatcher_(dispatcher), listener_(listener) {
+  for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {
+    install(SOFTBODY_SHAPE_PROXYTYPE, type);
+    if (type != SOFTBODY_SHAPE_PROXYTYPE) {
+      install(type, SOFTBODY_SHAPE_PROXYTYPE);
+    }
+  }
+}
+
+void PairHook::install(int type_a, int type_b) {
+  btCollisionAlgorithmCreateFunc* original =
+      dispatcher_.getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type_a, type_b);
+  functions_.push_back(std::make_unique<CreateFunc>(listener_, original, type_a, type_b));
+  dispatcher_.registerCollisionCreateFunc(type_a, type_b, functions_.back().get());
+}
+
+PairHook::~PairHook() {
+  for (const auto& function : functions_) {
+    dispatcher_.registerCollisionCreateFunc(function->type_a, function->type_b, function->original);
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI

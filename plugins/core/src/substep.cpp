@@ -1,0 +1,269 @@
+// The stages of one substep. Construction, bodies and handles: deformable_system.cpp.
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <LinearMath/btIDebugDraw.h>
+
+#include <algorithm>
+
+#include "deformable_system_impl.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+
+using Impl = DeformableSystem::Impl;
+
+bool Impl::owns(const btCollisionObject* object) const {
+  return std::any_of(bodies.begin(), bodies.end(), [&](const Deformable* body) { return body == object; });
+}
+
+void Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) {
+  open_substep(dt);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b] == deformable) {
+      pairs_.push_back({static_cast<int>(b), other});
+    }
+  }
+}
+
+void Impl::all_solved(double dt) {
+  open_substep(dt);
+  predict(dt);
+  place_colliders(dt);
+  solve_contacts();
+  keep_contacts(dt);
+  solved_ = true;
+}
+
+void Impl::updateAction(btCollisionWorld*, btScalar step) {
+  const double dt = step;
+  if (!solved_) {  // a world that does not call allSolved: couple after integration, one step late
+    ++profile.totals.late_substeps;
+    all_solved(dt);
+  }
+  commit(dt);
+  last_dt_ = dt;
+  open_ = solved_ = false;
+  ++profile.totals.substeps;
+}
+
+void Impl::open_substep(double dt) {
+  if (open_) {
+    return;
+  }
+  open_ = true;
+  profile.seconds = {};
+  profile.counts = {};
+  pairs_.clear();
+  rigid_.clear();
+  // Bullet is about to solve the rigid bodies: let it see the load they carried in the last substep, so
+  // that a pile under a deformable answers it now. What changes is settled after Bullet.
+  const double scale = last_dt_ > 0.0 ? dt / last_dt_ : 0.0;
+  for (Contact& contact : contacts_.all()) {
+    contact.impulse *= scale;
+    contact.seen = false;
+    const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
+    contact.arm = -from_bullet(contact.object->getWorldTransform().getOrigin());
+    for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
+      contact.arm += contact.weights[k] * body.points()[static_cast<std::size_t>(contact.points[k])];
+    }
+    contact.rigid = rigid_.find_or_add(contact.object, dt);
+    if (rigid_[contact.rigid].movable()) {
+      rigid_[contact.rigid].push(-contact.impulse, contact.arm);
+      rigid_[contact.rigid].changed = true;
+    }
+  }
+  rigid_.write_back();
+  rigid_.clear();
+}
+
+void Impl::predict(double dt) {
+  StageTimer timer(profile.seconds.predict);
+  const Vec3 gravity = from_bullet(world.getGravity());
+  for (Deformable* body : bodies) {
+    body->begin(dt, gravity);
+  }
+  profile.counts.deformables = static_cast<int>(bodies.size());
+  profile.counts.handles = static_cast<int>(handles.size());
+  solver_.begin_step(bodies, dt);
+}
+
+void Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local) {
+  if (shape.isCompound()) {
+    const auto& compound = static_cast<const btCompoundShape&>(shape);
+    for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+      add_shape(body, rigid, *compound.getChildShape(i), local * from_bullet(compound.getChildTransform(i)));
+    }
+    return;
+  }
+  const ColliderShape& collider = shapes_.get(shape);
+  if (collider.kind == ColliderShape::Kind::unsupported) {
+    ++profile.counts.pairs_skipped;
+    return;
+  }
+  placed_.push_back({body, {rigid, &shape, &collider, local}});
+  if (!collider.corners.empty()) {
+    near_features_[static_cast<std::size_t>(body)] = 1;
+  }
+}
+
+void Impl::place_colliders(double dt) {
+  placed_.clear();
+  near_features_.assign(bodies.size(), 0);
+  profile.counts.pairs = static_cast<int>(pairs_.size());
+  for (const Pair& pair : pairs_) {
+    if (!pair.other->hasContactResponse()) {
+      continue;
+    }
+    const int rigid = rigid_.find_or_add(pair.other, dt);
+    add_shape(pair.body, rigid, *pair.other->getCollisionShape(), Pose());
+  }
+  // Contacts whose pair is gone keep their collider for one more solve, which gives their push back.
+  for (Contact& contact : contacts_.all()) {
+    contact.rigid = rigid_.find_or_add(contact.object, dt);
+  }
+  support_.clear();
+  if (settings.rigid_support && !placed_.empty()) {
+    support_.collect(*world.getDispatcher(), rigid_, dt);
+  }
+  profile.counts.support_points = support_.size();
+  for (const Contact& contact : contacts_.all()) {
+    if (rigid_[contact.rigid].movable()) {
+      RigidState& state = rigid_[contact.rigid];
+      std::swap(state.velocity, state.free_velocity);
+      std::swap(state.angular_velocity, state.free_angular_velocity);
+      state.push(contact.impulse, contact.arm);  // what open_substep had taken
+      std::swap(state.velocity, state.free_velocity);
+      std::swap(state.angular_velocity, state.free_angular_velocity);
+    }
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    profile.counts.without_pairs +=
+        std::none_of(placed_.begin(), placed_.end(), [&](const PlacedShape& p) { return p.body == int(b); });
+  }
+}
+
+// Contacts of the end of the step as it stands; returns the worst violation of a margin (m).
+double Impl::detect() {
+  StageTimer timer(profile.seconds.detect);
+  for (Contact& contact : contacts_.all()) {
+    contact.seen = false;
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Deformable& body = *bodies[b];
+    const int index = static_cast<int>(b);
+    bool begun = false;
+    for (const PlacedShape& placed : placed_) {
+      if (placed.body != index) {
+        continue;
+      }
+      const RigidState& rigid = rigid_[placed.instance.rigid];
+      finder_.find_vertices(index, body, placed.instance, rigid, settings.margin, contacts_);
+      if (placed.instance.collider->corners.empty()) {
+        continue;
+      }
+      if (!begun) {
+        finder_.begin_pass(body);
+        begun = true;
+      }
+      finder_.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
+      finder_.find_edges(index, body, placed.instance, rigid, settings.margin, contacts_);
+    }
+  }
+  double worst = 0.0;
+  for (const Contact& contact : contacts_.all()) {
+    if (contact.seen) {
+      worst = std::max(worst, -contact.gap);
+    }
+  }
+  return worst;
+}
+
+// Friction and restitution of contacts met for the first time, and the rebound of those that hit last time.
+void Impl::prepare_new_contacts() {
+  for (Contact& contact : contacts_.all()) {
+    if (!contact.seen || contact.friction >= 0.0) {
+      continue;
+    }
+    const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
+    contact.friction = gCalculateCombinedFrictionCallback(&body, contact.object);
+    contact.restitution = gCalculateCombinedRestitutionCallback(&body, contact.object);
+    if (contact.restitution > 0.0) {
+      Vec3 velocity = -rigid_[contact.rigid].velocity_of(contact.arm);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
+        velocity += contact.weights[k] * body.velocities()[static_cast<std::size_t>(contact.points[k])];
+      }
+      const double speed = -contact.normal.dot(velocity);
+      contact.approach = speed > settings.rebound_speed ? speed : 0.0;
+    }
+  }
+}
+
+void Impl::solve_contacts() {
+  if (placed_.empty() && contacts_.all().empty() && handles.empty()) {
+    profile.counts.without_contacts = static_cast<int>(bodies.size());
+    return;
+  }
+  // A rebound answers the impact of the last substep: the skin has arrived at the surface by now.
+  for (Contact& contact : contacts_.all()) {
+    contact.rebound = contact.restitution * contact.approach;
+    contact.approach = 0.0;
+  }
+  for (int pass = 0; pass < settings.max_passes; ++pass) {
+    const double violation = detect();
+    if (pass > 0 && violation < 0.25 * settings.margin) {
+      break;
+    }
+    prepare_new_contacts();
+    ++profile.counts.passes;
+    solver_.solve(bodies, contacts_.all(), handles, support_, rigid_, settings, profile);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    profile.counts.without_contacts += std::none_of(
+        contacts_.all().begin(), contacts_.all().end(), [&](const Contact& c) { return c.body == int(b) && c.seen; });
+  }
+  rigid_.write_back();
+  support_.write_back();
+}
+
+void Impl::keep_contacts(double dt) {
+  contacts_.erase_if([](const Contact& contact) { return !contact.seen || contact.impulse == Vec3::Zero(); });
+  profile.counts.contacts = static_cast<int>(contacts_.all().size());
+  contact_points.clear();
+  for (const Contact& contact : contacts_.all()) {
+    const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
+    ContactPoint point;
+    point.body = &body;
+    point.other = contact.object;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
+      point.point += contact.weights[k] * body.end_positions_[static_cast<std::size_t>(contact.points[k])];
+    }
+    point.normal = contact.normal;
+    point.force = contact.impulse / dt;
+    point.gap = contact.gap + settings.margin;
+    contact_points.push_back(point);
+  }
+}
+
+void Impl::commit(double dt) {
+  {
+    StageTimer timer(profile.seconds.commit);
+    for (Deformable* body : bodies) {
+      const long long fired = body->guard_fired(), factored = body->refactorizations_;
+      body->finish(dt);
+      profile.totals.guard_fired += body->guard_fired() - fired;
+      profile.totals.refactorizations += body->refactorizations_ - factored;
+    }
+  }
+  StageTimer timer(profile.seconds.mirror);
+  for (Deformable* body : bodies) {
+    body->mirror(dt);
+  }
+}
+
+void Impl::debugDraw(btIDebugDraw* drawer) {
+  for (const ContactPoint& contact : contact_points) {
+    drawer->drawContactPoint(to_bullet(contact.point), to_bullet(contact.normal), btScalar(contact.gap), 0,
+                             btVector3(1, 1, 0));
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI
