@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "affine_correction.h"
+#include "assemble.h"
 #include "galerkin.h"
 #include "hanging_field.h"
 #include "instruction_set.h"
@@ -40,8 +41,8 @@ double stiffness_memory(int vertices, int triangles) {
   return 8.0 * (10.0 * f * f + 9.0 * f * v + 9.0 * v * v) + 8.0 * (80.0 * f + 400.0 * v) + 2e6;
 }
 
-std::shared_ptr<const BoundaryStiffness> assemble_stiffness(const TriangleMesh& mesh, double poisson,
-                                                            const StiffnessSettings& settings) {
+std::shared_ptr<BoundaryStiffness> assemble(const TriangleMesh& mesh, double poisson,
+                                            const StiffnessSettings& settings) {
   check_closed(mesh);
   check_poisson("material.poisson", poisson);
   check_not_negative("settings.memory_limit", settings.memory_limit);
@@ -74,6 +75,11 @@ std::shared_ptr<const BoundaryStiffness> assemble_stiffness(const TriangleMesh& 
   seconds.correction = stage.lap();
   seconds.total = whole.lap();
   return result;
+}
+
+std::shared_ptr<const BoundaryStiffness> assemble_stiffness(const TriangleMesh& mesh, double poisson,
+                                                            const StiffnessSettings& settings) {
+  return assemble(mesh, poisson, settings);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

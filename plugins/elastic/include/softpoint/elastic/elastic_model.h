@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "softpoint/core/triangle_mesh.h"
+#include "softpoint/elastic/boundary_stiffness.h"
+#include "softpoint/elastic/material.h"
+#include "softpoint/elastic/stiffness_cache.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+
+struct ElasticSettings {
+  // s, the fixed step of the world (the third argument of stepSimulation), 1e-6 to 1. A body stepped with
+  // another one works too, but factors its response anew whenever the step changes.
+  double time_step = 1.0 / 60.0;
+  StiffnessSettings stiffness;
+  CacheSettings cache;  // where the stiffness is kept between runs
+};
+// Throws Error naming the field, its value and the permitted range.
+void check(const ElasticSettings& settings);
+
+// What all elastic bodies of one shape, material and time step share. Immutable.
+struct ElasticModel {
+  TriangleMesh mesh;            // as given
+  Material material;
+  double time_step = 0;         // s, of `response`
+  double volume = 0;            // m^3
+  std::vector<double> masses;   // kg per vertex: density x volume, shared out by surface area
+  std::vector<Vec3> rest;       // m, vertices from the centre of mass (X)
+  Vec3 center = Vec3::Zero();   // m, centre of mass in the mesh's frame
+  std::shared_ptr<const BoundaryStiffness> stiffness;
+  std::vector<double> response; // (M + h^2 S)^-1, 3V x 3V, m/s per N s
+
+  int dofs() const { return 3 * mesh.vertex_count(); }
+};
+
+// Throws Error for a mesh that bounds no solid, or settings or material out of range.
+std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh, const Material& material,
+                                                       const ElasticSettings& settings = {});
+
+// (M + h^2 S)^-1 for another time step `h` (s), into `response` (3V x 3V).
+void compute_response(const ElasticModel& model, double h, std::vector<double>& response);
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic

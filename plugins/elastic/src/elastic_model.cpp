@@ -1,0 +1,51 @@
+#include "softpoint/elastic/elastic_model.h"
+
+#include <Eigen/Cholesky>
+
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+
+void check(const ElasticSettings& settings) {
+  check_range("ElasticSettings.time_step", settings.time_step, 1e-6, 1.0);
+}
+
+std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh, const Material& material,
+                                                       const ElasticSettings& settings) {
+  check(settings);
+  check(material);
+  const MeshReport report = check_closed(mesh, "elastic body");
+  auto model = std::make_shared<ElasticModel>();
+  model->mesh = mesh;
+  model->material = material;
+  model->time_step = settings.time_step;
+  model->volume = report.volume;
+  model->stiffness = load_or_assemble_stiffness(mesh, material.poisson, settings.stiffness, settings.cache);
+  model->masses = vertex_areas(mesh);
+  const double mass = material.density * report.volume;
+  for (std::size_t v = 0; v < model->masses.size(); ++v) {
+    model->masses[v] *= mass / report.area;
+    model->center += model->masses[v] / mass * mesh.vertices[v];
+  }
+  for (const Vec3& vertex : mesh.vertices) {
+    model->rest.push_back(vertex - model->center);
+  }
+  compute_response(*model, settings.time_step, model->response);
+  return model;
+}
+
+void compute_response(const ElasticModel& model, double h, std::vector<double>& response) {
+  const Eigen::Index n = model.dofs();
+  const Eigen::Map<const Eigen::MatrixXd> unit(model.stiffness->unit_stiffness.data(), n, n);
+  Eigen::MatrixXd a = h * h * model.material.young * unit;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    a(i, i) += model.masses[static_cast<std::size_t>(i / 3)];
+  }
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(a);  // in place
+  response.resize(static_cast<std::size_t>(n * n));
+  Eigen::Map<Eigen::MatrixXd> inverse(response.data(), n, n);
+  inverse.setIdentity();
+  factor.solveInPlace(inverse);
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic
