@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "softpoint/core/config.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::picture {
+
+// A colour as one writes it in a style sheet: sRGB-encoded, each channel 0 to 1. Values outside are clamped.
+struct Color {
+  float r = 0, g = 0, b = 0;
+  float a = 1;  // opacity
+};
+
+// Rows from the top, four bytes a pixel (red, green, blue, opacity), sRGB-encoded.
+struct Image {
+  int width = 0, height = 0;       // pixels
+  std::vector<std::uint8_t> rgba;  // 4 width height bytes
+
+  Image() = default;
+  Image(int width, int height, Color fill = {});
+
+  std::uint8_t* pixel(int x, int y) { return rgba.data() + offset(x, y); }
+  const std::uint8_t* pixel(int x, int y) const { return rgba.data() + offset(x, y); }
+  bool operator==(const Image&) const = default;
+
+ private:
+  std::size_t offset(int x, int y) const {
+    return 4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+  }
+};
+
+// Each pixel of the result is the mean of the rectangle of `image` it covers (box filter, exact for
+// fractional ratios too). Only shrinks: 1 <= width <= image.width, height likewise, else Error.
+Image shrink(const Image& image, int width, int height);
+
+// Peak signal-to-noise ratio over red, green and blue in dB; infinite for equal pictures. Throws Error when
+// the sizes differ.
+double psnr(const Image& a, const Image& b);
+
+// 64-bit FNV-1a of size and pixels, for golden pictures.
+std::uint64_t hash(const Image& image);
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::picture

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "softpoint/picture/image.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::picture {
+
+// How a surface looks.
+struct Material {
+  Color color{0.72F, 0.72F, 0.70F};  // opacity is ignored: meshes are opaque
+  double roughness = 0.55;           // 0.05 (mirror-like highlight) to 1 (chalk)
+  double wetness = 0;                // 0 dry to 1 soaked: darker, with a sharp sheen
+  bool two_sided = false;            // draw the inside of open surfaces too
+  bool casts_shadow = true;
+  bool wireframe = false;  // draw the edges of the triangles on top
+};
+
+// The i-th of an endless row of well-distinguishable colours of even lightness (i >= 0).
+Color palette_color(int i);
+
+// The colour of things that never move.
+inline constexpr Color kStaticColor{0.66F, 0.66F, 0.64F};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::picture
