@@ -27,10 +27,34 @@ std::filesystem::path temporary_beside(const std::filesystem::path& path) {
               "); name a file in a folder that exists and is writable");
 }
 
+std::filesystem::path behind_links(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path target = std::filesystem::canonical(path, error);
+  return error ? path : target;
+}
+
 }  // namespace
 
+void check_writable(const std::filesystem::path& path) {
+  const std::filesystem::path target = behind_links(path);
+  std::error_code error;
+  const auto status = std::filesystem::status(target, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    refuse(path, "it is no regular file");
+  }
+  const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, error)) {
+    refuse(path, "there is no folder " + folder.string());
+  }
+  if (::access(folder.c_str(), W_OK) != 0) {
+    refuse(path, std::strerror(errno));
+  }
+}
+
 void write_atomically(const std::filesystem::path& path, std::string_view content) {
-  const std::filesystem::path temporary = temporary_beside(path);
+  check_writable(path);
+  const std::filesystem::path target = behind_links(path);
+  const std::filesystem::path temporary = temporary_beside(target);
   std::error_code ignored;
   {
     errno = 0;
@@ -44,7 +68,7 @@ void write_atomically(const std::filesystem::path& path, std::string_view conten
     }
   }
   std::error_code error;
-  std::filesystem::rename(temporary, path, error);
+  std::filesystem::rename(temporary, target, error);
   if (error) {
     std::filesystem::remove(temporary, ignored);
     refuse(path, error.message());
