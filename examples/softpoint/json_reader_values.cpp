@@ -209,8 +209,11 @@ std::array<std::optional<double>, 3> ObjectReader::partial_vec3(std::string_view
 }
 
 std::vector<int> ObjectReader::indices(std::string_view key, const IndexListSpec& spec) {
-  const json* value =
-      find_list(key, "integers, " + spec.of + " counted from 0", {spec.min, spec.count, false, spec.doc});
+  ListSpec list{.min = spec.min, .doc = spec.doc};
+  if (!describing()) {
+    list.max = spec.count;
+  }
+  const json* value = find_list(key, "integers, " + spec.of + " counted from 0", list);
   std::vector<int> result;
   if (value == nullptr) {
     return result;

@@ -41,8 +41,12 @@ void read_static_problem(ObjectReader& root, elastic::StaticProblem& problem) {
   const std::filesystem::path mesh =
       root.file("mesh", {.doc = "OBJ file, metres; a closed surface. Polygons count as fans of triangles"});
   if (!root.describing()) {
-    problem.mesh = read_obj(mesh);
-    check_closed(problem.mesh, mesh.string());
+    try {
+      problem.mesh = read_obj(mesh);
+      check_closed(problem.mesh, mesh.string());
+    } catch (const Error& error) {
+      root.refuse("mesh", error.what());
+    }
   }
   bool has_density = false;
   root.object("material", "linear, isotropic, homogeneous",

@@ -138,6 +138,37 @@ TEST_F(Solve, BarUnderTensionHangsFromRollers) {
   EXPECT_GT(answer["seconds"]["total"].get<double>(), 0.0);
 }
 
+TEST_F(Solve, BarHangingFromABalancedTractionStretchesUnderItsWeight) {
+  const TriangleMesh mesh = mesh_file(prism(16, 4, 1, 0.5, 1.0));
+  json setup = problem();
+  setup["gravity"] = {0, 0, -1};  // 1000 N/m3
+  json top = json::array();
+  for (int t = 0; t < mesh.triangle_count(); ++t) {
+    if (triangle_normal(mesh, t).z() > 0.9) {
+      top.push_back(t);
+    }
+  }
+  setup["traction"] = {{{"faces", top}, {"value", {0, 0, 1000}}}};
+  const Outcome run = solve(setup);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json answer = result();
+  EXPECT_EQ(answer["free_rigid_motions"].get<int>(), 6);
+  const auto height_change = [&](int v) {
+    return answer["displacement"][v][2].get<double>() -
+           answer["displacement"][mesh.vertex_count() - 1][2].get<double>();
+  };
+  EXPECT_NEAR(height_change(0), -0.005, 1e-9);     // bottom centre against top centre
+  EXPECT_NEAR(height_change(1), -0.004625, 1e-9);  // bottom rim
+}
+
+TEST_F(Solve, RefusesAMeshTooLargeForMemoryBeforehand) {
+  mesh_file(sphere(1.0, 6));
+  const Outcome run = solve(problem());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("40962 vertices"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("needs "), std::string::npos) << run.err;
+}
+
 TEST_F(Solve, ResultReadsBackAsTheSameDoubles) {
   elastic::StaticResult given;
   given.displacement = {{1.0 / 3.0, -0.0, 5e-324}, {1e300, 0.1, 2.0}};
@@ -164,7 +195,9 @@ TEST_F(Solve, RefusesInOneLineWithExitCodeOne) {
   };
   const std::vector<Case> cases = {
       {"no mesh", [](json& p) { p.erase("mesh"); }, {"\"mesh\" is missing"}},
-      {"no such mesh", [](json& p) { p["mesh"] = "none.obj"; }, {"none.obj", "No such file"}},
+      {"no such mesh",
+       [](json& p) { p["mesh"] = "none.obj"; },
+       {"problem.json: /mesh = \"none.obj\"", "No such file"}},
       {"misspelt key",
        [](json& p) { p["material"]["yung"] = 1; },
        {"/material/yung", "did you mean \"young\"?"}},
