@@ -9,13 +9,11 @@
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
-using Impl = DeformableSystem::Impl;
-
-bool Impl::owns(const btCollisionObject* object) const {
+bool DeformableSystem::Impl::owns(const btCollisionObject* object) const {
   return std::any_of(bodies.begin(), bodies.end(), [&](const Deformable* body) { return body == object; });
 }
 
-void Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) {
+void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) {
   open_substep(dt);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b] == deformable) {
@@ -24,7 +22,7 @@ void Impl::pair_found(const btCollisionObject* deformable, const btCollisionObje
   }
 }
 
-void Impl::all_solved(double dt) {
+void DeformableSystem::Impl::all_solved(double dt) {
   open_substep(dt);
   predict(dt);
   place_colliders(dt);
@@ -33,7 +31,7 @@ void Impl::all_solved(double dt) {
   solved_ = true;
 }
 
-void Impl::updateAction(btCollisionWorld*, btScalar step) {
+void DeformableSystem::Impl::updateAction(btCollisionWorld*, btScalar step) {
   const double dt = step;
   if (!solved_) {  // a world that does not call allSolved: couple after integration, one step late
     ++profile.totals.late_substeps;
@@ -45,7 +43,7 @@ void Impl::updateAction(btCollisionWorld*, btScalar step) {
   ++profile.totals.substeps;
 }
 
-void Impl::open_substep(double dt) {
+void DeformableSystem::Impl::open_substep(double dt) {
   if (open_) {
     return;
   }
@@ -75,7 +73,7 @@ void Impl::open_substep(double dt) {
   rigid_.clear();
 }
 
-void Impl::predict(double dt) {
+void DeformableSystem::Impl::predict(double dt) {
   StageTimer timer(profile.seconds.predict);
   const Vec3 gravity = from_bullet(world.getGravity());
   for (Deformable* body : bodies) {
@@ -86,7 +84,7 @@ void Impl::predict(double dt) {
   solver_.begin_step(bodies, dt);
 }
 
-void Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local) {
+void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local) {
   if (shape.isCompound()) {
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
@@ -105,7 +103,7 @@ void Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const P
   }
 }
 
-void Impl::place_colliders(double dt) {
+void DeformableSystem::Impl::place_colliders(double dt) {
   placed_.clear();
   near_features_.assign(bodies.size(), 0);
   profile.counts.pairs = static_cast<int>(pairs_.size());
@@ -142,7 +140,7 @@ void Impl::place_colliders(double dt) {
 }
 
 // Contacts of the end of the step as it stands; returns the worst violation of a margin (m).
-double Impl::detect() {
+double DeformableSystem::Impl::detect() {
   StageTimer timer(profile.seconds.detect);
   for (Contact& contact : contacts_.all()) {
     contact.seen = false;
@@ -178,7 +176,7 @@ double Impl::detect() {
 }
 
 // Friction and restitution of contacts met for the first time, and the rebound of those that hit last time.
-void Impl::prepare_new_contacts() {
+void DeformableSystem::Impl::prepare_new_contacts() {
   for (Contact& contact : contacts_.all()) {
     if (!contact.seen || contact.friction >= 0.0) {
       continue;
@@ -197,7 +195,7 @@ void Impl::prepare_new_contacts() {
   }
 }
 
-void Impl::solve_contacts() {
+void DeformableSystem::Impl::solve_contacts() {
   if (placed_.empty() && contacts_.all().empty() && handles.empty()) {
     profile.counts.without_contacts = static_cast<int>(bodies.size());
     return;
@@ -224,7 +222,7 @@ void Impl::solve_contacts() {
   support_.write_back();
 }
 
-void Impl::keep_contacts(double dt) {
+void DeformableSystem::Impl::keep_contacts(double dt) {
   contacts_.erase_if([](const Contact& contact) { return !contact.seen || contact.impulse == Vec3::Zero(); });
   profile.counts.contacts = static_cast<int>(contacts_.all().size());
   contact_points.clear();
@@ -243,7 +241,7 @@ void Impl::keep_contacts(double dt) {
   }
 }
 
-void Impl::commit(double dt) {
+void DeformableSystem::Impl::commit(double dt) {
   {
     StageTimer timer(profile.seconds.commit);
     for (Deformable* body : bodies) {
@@ -259,7 +257,7 @@ void Impl::commit(double dt) {
   }
 }
 
-void Impl::debugDraw(btIDebugDraw* drawer) {
+void DeformableSystem::Impl::debugDraw(btIDebugDraw* drawer) {
   for (const ContactPoint& contact : contact_points) {
     drawer->drawContactPoint(to_bullet(contact.point), to_bullet(contact.normal), btScalar(contact.gap), 0,
                              btVector3(1, 1, 0));

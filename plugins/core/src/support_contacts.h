@@ -1,6 +1,7 @@
 #pragma once
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 
 #include <vector>
 

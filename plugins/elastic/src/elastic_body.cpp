@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include <algorithm>
 #include <cmath>
 
 #include "softpoint/core/error.h"
@@ -50,10 +51,9 @@ Vec3 center_of(const ElasticModel& model, const std::vector<Vec3>& positions, do
   return sum / mass;
 }
 
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
+Mat3 turn_by(const Vec3& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  return angle > 0.0 ? Mat3(Eigen::AngleAxisd(angle, rotation_vector / angle)) : Mat3(Mat3::Identity());
 }
 
 }  // namespace
@@ -62,8 +62,10 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
     : Deformable(placed(*model, origin, rotation), model->mesh.triangles, model->masses),
       model_(std::move(model)) {
   frame_ = rotation;
-  arms_.resize(positions_.size());
-  internal_.resize(positions_.size());
+  for (std::vector<Vec3>* field : {&arms_, &shape_velocity_, &inertial_, &strain_, &force_, &free_velocities_,
+                                   &response_velocity_, &pushed_force_}) {
+    field->assign(positions_.size(), Vec3::Zero());
+  }
   scratch_in_.resize(3 * positions_.size());
   scratch_out_.resize(3 * positions_.size());
 }
@@ -84,7 +86,8 @@ void ElasticBody::displacements(std::vector<double>& out) const {
   const Mat3 r = fit_frame(*model_, positions_, center);
   out.resize(3 * positions_.size());
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    Eigen::Map<Vec3>(&out[3 * v]) = r.transpose() * (positions_[v] - center) - model_->rest[v];
+    const Vec3 d = r.transpose() * (positions_[v] - center) - model_->rest[v];
+    std::copy(d.data(), d.data() + 3, out.data() + 3 * v);
   }
 }
 
@@ -116,13 +119,11 @@ void ElasticBody::choose_response(double dt) {
   ++refactorizations_;
 }
 
-// Arms and inertia at the start of the step, about which internal forces must have no net load.
-void ElasticBody::measure_start() {
-  const Vec3 center = center_of(*model_, positions_, total_mass());
+// Pseudo-inverse of the inertia about the centre of mass of points at `arms` (m) from it.
+Mat3 ElasticBody::inverse_inertia(const std::vector<Vec3>& arms) const {
   Mat3 inertia = Mat3::Zero();
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    arms_[v] = positions_[v] - center;
-    inertia += masses_[v] * (arms_[v].squaredNorm() * Mat3::Identity() - arms_[v] * arms_[v].transpose());
+  for (std::size_t v = 0; v < arms.size(); ++v) {
+    inertia += masses_[v] * (arms[v].squaredNorm() * Mat3::Identity() - arms[v] * arms[v].transpose());
   }
   // A body pulled into a line has no inertia about it: leave that axis out.
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(inertia);
@@ -133,68 +134,167 @@ void ElasticBody::measure_start() {
       inverse[i] = 1.0 / values[i];
     }
   }
-  inertia_inverse_ = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-// Stage 5: end_positions_ += dt (M^-1 impulses), less what of them is a net force or torque.
-void ElasticBody::add_free_of_net_load(const std::vector<Vec3>& impulses) {
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  for (std::size_t v = 0; v < impulses.size(); ++v) {
-    force += impulses[v];
-    torque += arms_[v].cross(impulses[v]);
+// Stage 1: motion as seen from the centre of mass, v = v_c + omega x r + w with w free of spin.
+void ElasticBody::split_motion() {
+  start_center_ = center_of(*model_, positions_, total_mass());
+  center_velocity_ = momentum() / total_mass();
+  spin_.setZero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    arms_[v] = positions_[v] - start_center_;
+    spin_ += masses_[v] * arms_[v].cross(velocities_[v] - center_velocity_);
   }
-  const Vec3 linear = force / total_mass(), angular = inertia_inverse_ * torque;
-  for (std::size_t v = 0; v < impulses.size(); ++v) {
-    end_positions_[v] += dt_ * (impulses[v] / masses_[v] - linear - angular.cross(arms_[v]));
+  inverse_inertia_ = inverse_inertia(arms_);
+  const Vec3 omega = inverse_inertia_ * spin_;
+  double internal = 0.0;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    shape_velocity_[v] = velocities_[v] - center_velocity_ - omega.cross(arms_[v]);
+    internal += 0.5 * masses_[v] * shape_velocity_[v].squaredNorm();
+  }
+  energy_at_start_ = 0.5 * spin_.dot(omega) + internal + strain_energy_;
+}
+
+// A turn after which a body with this inverse inertia and spin (constant in the world) has the rotational
+// energy `wanted`, found from `turn` by Newton steps: a small turn e changes 1/2 L . I^-1 L by e . (omega x L).
+// `turn` is left alone so near to a principal axis that no small turn helps.
+void ElasticBody::correct_turn(Mat3& turn, const Mat3& inverse, double wanted) const {
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 omega = turn * (inverse * (turn.transpose() * spin_));
+    const double excess = 0.5 * spin_.dot(omega) - wanted;
+    const Vec3 gradient = omega.cross(spin_);
+    const double angle = excess / gradient.norm();
+    if (std::abs(excess) <= 1e-15 * wanted || !(std::abs(angle) < dt_ * omega.norm())) {
+      return;
+    }
+    turn = turn_by(-angle * gradient.normalized()) * turn;
+  }
+}
+
+// Stage 2: turn as a free rigid body does (midpoint rule, spin constant in the world, energy kept), and let the
+// shape move on in the turning frame: r^ = Q [r + h w + h^2 a], a = -omega x (omega x r) - 2 omega x w - omega' x r,
+// where the Euler term is what leaves a without torque: Q has all of the turn.
+void ElasticBody::predict_positions() {
+  const Vec3 omega = inverse_inertia_ * spin_;
+  const Mat3 half = turn_by(0.5 * dt_ * omega);
+  turn_ = turn_by(dt_ * (half * inverse_inertia_ * half.transpose() * spin_));
+  correct_turn(turn_, inverse_inertia_, 0.5 * spin_.dot(omega));
+  Vec3 torque = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    inertial_[v] = -omega.cross(omega.cross(arms_[v]) + 2.0 * shape_velocity_[v]);
+    torque += masses_[v] * arms_[v].cross(inertial_[v]);
+  }
+  const Vec3 euler = inverse_inertia_ * torque;
+  const Vec3 center = start_center_ + dt_ * center_velocity_;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    const Vec3 a = inertial_[v] - euler.cross(arms_[v]);
+    end_positions_[v] = center + turn_ * (arms_[v] + dt_ * (shape_velocity_[v] + dt_ * a));
+  }
+}
+
+// Stages 3 and 4: R = polar(sum m (x^ - c) X^T), d = R^T (x^ - c) - X,
+// delta = -(M + h^2 S)^-1 h^2 S d = (M + h^2 S)^-1 M d - d, x = x^ + R delta.
+void ElasticBody::relax_shape() {
+  const Vec3 center = center_of(*model_, end_positions_, total_mass());
+  frame_ = fit_frame(*model_, end_positions_, center);
+  const Eigen::Index n = model_->dofs();
+  Eigen::Map<Eigen::VectorXd> in(scratch_in_.data(), n), out(scratch_out_.data(), n);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    const Vec3 d = frame_.transpose() * (end_positions_[v] - center) - model_->rest[v];
+    in.segment<3>(static_cast<Eigen::Index>(3 * v)) = masses_[v] * d;
+  }
+  out.noalias() = Eigen::Map<const Eigen::MatrixXd>(response(), n, n) * in;
+  Vec3 drift = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    const auto i = static_cast<Eigen::Index>(3 * v);
+    strain_[v] = out.segment<3>(i);  // d + delta
+    // h^2 S (d + delta) = -M delta: the elastic force comes for free.
+    force_[v] = (in.segment<3>(i) - masses_[v] * strain_[v]) / (dt_ * dt_);
+    drift += masses_[v] * strain_[v];
+  }
+  drift /= total_mass();
+  strain_energy_ = 0.0;
+  const Vec3 end_center = start_center_ + dt_ * center_velocity_;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    strain_[v] -= drift;  // rounding only: internal forces have no net force
+    strain_energy_ += 0.5 * strain_[v].dot(force_[v]);
+    end_positions_[v] = end_center + frame_ * (model_->rest[v] + strain_[v]);
+  }
+}
+
+// Stage 5: velocities with the spin of the start to rounding, and no more energy than at the start.
+void ElasticBody::settle_free_motion() {
+  const Vec3 center = start_center_ + dt_ * center_velocity_;
+  // w = (r' - Q r) / h without its spin.
+  Vec3 false_spin = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    const Vec3 arm = end_positions_[v] - center;
+    shape_velocity_[v] = (arm - turn_ * arms_[v]) / dt_;
+    arms_[v] = arm;
+    false_spin += masses_[v] * arm.cross(shape_velocity_[v]);
+  }
+  const Mat3 inverse = inverse_inertia(arms_);
+  const Vec3 false_turn = inverse * false_spin;
+  Vec3 drift = Vec3::Zero();
+  double internal = 0.0;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    shape_velocity_[v] -= false_turn.cross(arms_[v]);
+    drift += masses_[v] * shape_velocity_[v];
+  }
+  drift /= total_mass();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    shape_velocity_[v] -= drift;
+    internal += 0.5 * masses_[v] * shape_velocity_[v].squaredNorm();
+  }
+  Vec3 omega = inverse * spin_;
+  const double rigid = 0.5 * spin_.dot(omega);
+  if (rigid + internal + strain_energy_ > energy_at_start_) {
+    // First the vibration gives up what is too much.
+    const double left = std::max(energy_at_start_ - rigid - strain_energy_, 0.0);
+    const double keep = internal > 0.0 ? std::sqrt(left / internal) : 0.0;
+    for (Vec3& w : shape_velocity_) {
+      w *= keep;
+    }
+    // Then a tumbling body is turned a little towards the attitude that has the right energy.
+    if (rigid + strain_energy_ > energy_at_start_) {
+      Mat3 q = Mat3::Identity();
+      correct_turn(q, inverse, (1.0 - 1e-15) * energy_at_start_ - strain_energy_);
+      for (std::size_t v = 0; v < positions_.size(); ++v) {
+        arms_[v] = q * arms_[v];
+        shape_velocity_[v] = q * shape_velocity_[v];
+        end_positions_[v] = center + arms_[v];
+      }
+      frame_ = q * frame_;
+      omega = q * (inverse * (q.transpose() * spin_));
+    }
+  }
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    free_velocities_[v] = center_velocity_ + omega.cross(arms_[v]) + shape_velocity_[v];
   }
 }
 
 void ElasticBody::predict(double dt) {
   choose_response(dt);
-  measure_start();
-  // Stage 1: x^ = x + h v.
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    end_positions_[v] = positions_[v] + dt * velocities_[v];
-  }
-  // Stage 2: R = polar(sum m (x^ - c) X^T).
-  const Vec3 center = center_of(*model_, end_positions_, total_mass());
-  frame_ = fit_frame(*model_, end_positions_, center);
-  // Stages 3 and 4: d = R^T (x^ - c) - X, delta = -(M + h^2 S)^-1 h^2 S d = (M + h^2 S)^-1 M d - d.
-  const Eigen::Index n = model_->dofs();
-  Eigen::Map<Eigen::VectorXd> in(scratch_in_.data(), n), out(scratch_out_.data(), n);
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    const Vec3 d = frame_.transpose() * (end_positions_[v] - center) - model_->rest[v];
-    internal_[v] = -masses_[v] * d;
-    in.segment<3>(static_cast<Eigen::Index>(3 * v)) = masses_[v] * d;
-  }
-  out.noalias() = Eigen::Map<const Eigen::MatrixXd>(response(), n, n) * in;
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    internal_[v] += masses_[v] * out.segment<3>(static_cast<Eigen::Index>(3 * v));
-    internal_[v] = frame_ * internal_[v] / dt;
-  }
-  add_free_of_net_load(internal_);
+  split_motion();
+  predict_positions();
+  relax_shape();
+  settle_free_motion();
+  pushed_ = false;
 }
 
+// dv_i / dJ_j = R [(M + h^2 S)^-1]_ij R^T.
 void ElasticBody::compliance(std::span<const int> touched, double* blocks) {
   const Eigen::Index n = model_->dofs();
   const auto count = static_cast<Eigen::Index>(touched.size());
   const Eigen::Map<const Eigen::MatrixXd> b(response(), n, n);
   Eigen::Map<Eigen::MatrixXd> result(blocks, 3 * count, 3 * count);
-  const Mat3& r = frame_;
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Eigen::Index column = 3 * touched[static_cast<std::size_t>(j)];
-    // Net torque of the internal impulses that answer a unit impulse on point j, about the start.
-    Mat3 torque = -cross_matrix(arms_[static_cast<std::size_t>(column / 3)]) * r;
-    for (std::size_t v = 0; v < positions_.size(); ++v) {
-      torque +=
-          cross_matrix(masses_[v] * arms_[v]) * (r * b.block<3, 3>(static_cast<Eigen::Index>(3 * v), column));
-    }
-    const Mat3 turn = inertia_inverse_ * torque * r.transpose();
     for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::Index row = 3 * touched[static_cast<std::size_t>(i)];
       result.block<3, 3>(3 * i, 3 * j) =
-          r * b.block<3, 3>(row, column) * r.transpose() +
-          cross_matrix(arms_[static_cast<std::size_t>(row / 3)]) * turn;  // -(turn x arm)
+          frame_ *
+          b.block<3, 3>(3 * touched[static_cast<std::size_t>(i)], 3 * touched[static_cast<std::size_t>(j)]) *
+          frame_.transpose();
     }
   }
 }
@@ -204,20 +304,62 @@ void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> im
   const Eigen::Map<const Eigen::MatrixXd> b(response(), n, n);
   Eigen::Map<Eigen::VectorXd> out(scratch_out_.data(), n);
   out.setZero();
+  pushed_spin_ = spin_;
+  pushed_momentum_ = total_mass() * center_velocity_;
   for (std::size_t j = 0; j < touched.size(); ++j) {
     const Vec3 local = frame_.transpose() * impulses[j];
     out.noalias() += b.middleCols<3>(3 * touched[j]) * local;
+    pushed_spin_ += (positions_[static_cast<std::size_t>(touched[j])] - start_center_).cross(impulses[j]);
+    pushed_momentum_ += impulses[j];
   }
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    internal_[v] = frame_ * (masses_[v] * out.segment<3>(static_cast<Eigen::Index>(3 * v)));
+    response_velocity_[v] = out.segment<3>(static_cast<Eigen::Index>(3 * v));
+    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v]);
   }
-  end_positions_ = free_positions_;
+  // Strain energy of the pushed shape, again without a product by S: h S B J = (J - M B J) / h.
+  strain_energy_pushed_ = 0.0;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    pushed_force_[v] = force_[v] - masses_[v] / dt_ * response_velocity_[v];
+  }
   for (std::size_t j = 0; j < touched.size(); ++j) {
-    const auto v = static_cast<std::size_t>(touched[j]);
-    internal_[v] -= impulses[j];
-    end_positions_[v] += dt_ / masses_[v] * impulses[j];
+    pushed_force_[static_cast<std::size_t>(touched[j])] += frame_.transpose() * impulses[j] / dt_;
   }
-  add_free_of_net_load(internal_);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    strain_energy_pushed_ += 0.5 * (strain_[v] + dt_ * response_velocity_[v]).dot(pushed_force_[v]);
+  }
+  pushed_ = true;
 }
+
+void ElasticBody::commit(double dt) {
+  if (!pushed_) {
+    positions_ = end_positions_;
+    velocities_ = free_velocities_;
+    return;
+  }
+  strain_energy_ = std::max(strain_energy_pushed_, 0.0);
+  // Positions are final. The impulses acted at the start of the step: give the velocities exactly the
+  // momentum and spin that follow from them there.
+  const Vec3 center_velocity = pushed_momentum_ / total_mass();
+  Vec3 momentum = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    velocities_[v] = free_velocities_[v] + (end_positions_[v] - free_positions_[v]) / dt;
+    momentum += masses_[v] * velocities_[v];
+    positions_[v] = end_positions_[v];
+  }
+  const Vec3 drift = momentum / total_mass() - center_velocity;
+  const Vec3 center = center_of(*model_, positions_, total_mass());
+  Vec3 spin = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    arms_[v] = positions_[v] - center;
+    velocities_[v] -= drift;
+    spin += masses_[v] * arms_[v].cross(velocities_[v]);
+  }
+  const Vec3 change = inverse_inertia(arms_) * (pushed_spin_ - spin);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    velocities_[v] += change.cross(arms_[v]);
+  }
+}
+
+void ElasticBody::restored() { strain_energy_ = elastic_energy(); }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

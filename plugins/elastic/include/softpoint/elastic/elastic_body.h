@@ -29,21 +29,49 @@ class ElasticBody final : public Deformable {
   void predict(double dt) override;
   void compliance(std::span<const int> touched, double* blocks) override;
   void respond(std::span<const int> touched, std::span<const Vec3> impulses) override;
+  void commit(double dt) override;
+  void restored() override;
 
+  // The stages of predict().
   void choose_response(double dt);
-  void measure_start();
-  void add_free_of_net_load(const std::vector<Vec3>& impulses);
+  void split_motion();
+  void predict_positions();
+  void relax_shape();
+  void settle_free_motion();
+
+  void correct_turn(Mat3& turn, const Mat3& inverse, double wanted) const;
   const double* response() const;
+  Mat3 inverse_inertia(const std::vector<Vec3>& arms) const;
 
   std::shared_ptr<const ElasticModel> model_;
   std::vector<double> own_response_;  // empty while the model's serves
   double own_step_ = 0;               // s, time step of own_response_
+  double strain_energy_ = 0;          // J, of the last committed shape
+
+  // The step at work. Arms and spin are about the centre of mass; strain and forces in the frame R.
   double dt_ = 0;
-  Mat3 frame_ = Mat3::Identity();      // R of the step
-  Mat3 inertia_inverse_ = Mat3::Zero();  // pseudo-inverse, about the centre of mass at the start of the step
-  std::vector<Vec3> arms_;              // m, points from that centre
+  Mat3 frame_ = Mat3::Identity();  // R
+  Mat3 turn_ = Mat3::Identity();   // Q, rigid turn over the step
+  Mat3 inverse_inertia_ = Mat3::Zero();
+  Vec3 start_center_ = Vec3::Zero();
+  Vec3 center_velocity_ = Vec3::Zero();
+  Vec3 spin_ = Vec3::Zero();  // L, kg m2/s
+  double energy_at_start_ = 0;
+  std::vector<Vec3> arms_;             // r
+  std::vector<Vec3> shape_velocity_;   // w
+  std::vector<Vec3> inertial_;         // apparent accelerations in the turning frame, m/s2
+  std::vector<Vec3> strain_;           // d + delta
+  std::vector<Vec3> force_;            // S (d + delta), N
+  std::vector<Vec3> free_velocities_;  // at the end of the step, without impulses
   std::vector<double> scratch_in_, scratch_out_;  // 3V
-  std::vector<Vec3> internal_;          // N s per point
+
+  // With impulses from outside.
+  bool pushed_ = false;
+  Vec3 pushed_spin_ = Vec3::Zero();
+  Vec3 pushed_momentum_ = Vec3::Zero();
+  double strain_energy_pushed_ = 0;
+  std::vector<Vec3> response_velocity_;
+  std::vector<Vec3> pushed_force_;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic
