@@ -186,10 +186,18 @@ bool ColliderShape::beyond(const Vec3& p, double reach) const {
   return (p - bounds_max).maxCoeff() > reach || (bounds_min - p).maxCoeff() > reach;
 }
 
+void ColliderShapes::begin_substep() {
+  constexpr long long kMemory = 1024;  // substeps
+  if (++substep_ % kMemory == 0) {
+    std::erase_if(entries_, [&](const auto& item) { return substep_ - item.second.last_used > kMemory; });
+  }
+}
+
 const ColliderShape& ColliderShapes::get(const btCollisionShape& shape) {
   double now[8];
   fingerprint(shape, now);
   Entry& entry = entries_[&shape];
+  entry.last_used = substep_;
   if (std::memcmp(entry.fingerprint, now, sizeof now) != 0) {
     entry.shape = build(shape);
     std::copy(std::begin(now), std::end(now), entry.fingerprint);

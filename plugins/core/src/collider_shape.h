@@ -57,16 +57,20 @@ struct ColliderShape {
   bool beyond(const Vec3& local, double reach) const;
 };
 
-// Builds and keeps ColliderShapes by address; rebuilds one whose dimensions changed.
+// Builds and keeps ColliderShapes by address; rebuilds one whose dimensions changed and forgets those long
+// out of use. References stay valid until the next begin_substep().
 class ColliderShapes {
  public:
+  void begin_substep();
   const ColliderShape& get(const btCollisionShape& shape);
 
  private:
   struct Entry {
     ColliderShape shape;
     double fingerprint[8] = {};
+    long long last_used = 0;
   };
+  long long substep_ = 0;
   std::unordered_map<const btCollisionShape*, Entry> entries_;
 };
 

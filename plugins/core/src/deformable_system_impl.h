@@ -18,6 +18,7 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
 
   bool owns(const btCollisionObject* object) const override;
   void pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) override;
+  void pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) override;
   void all_solved(double dt) override;
   void updateAction(btCollisionWorld* world, btScalar dt) override;
   void debugDraw(btIDebugDraw* drawer) override;
@@ -62,7 +63,6 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
     ShapeInstance instance;
   };
   std::vector<PlacedShape> placed_;
-  std::vector<char> near_features_;  // per body: some near shape has corners or edges
   ContactFinder finder_;
   ContactTable contacts_;
   ContactSolver solver_;

@@ -6,6 +6,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include <new>
+#include <utility>
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -13,14 +14,17 @@ namespace {
 // Makes no contact manifold; it only says that the two are near.
 class PairAlgorithm final : public btCollisionAlgorithm {
  public:
-  PairAlgorithm(const btCollisionAlgorithmConstructionInfo& info, PairListener& listener, bool swapped)
-      : btCollisionAlgorithm(info), listener_(listener), swapped_(swapped) {}
+  PairAlgorithm(const btCollisionAlgorithmConstructionInfo& info, PairListener& listener,
+                const btCollisionObject* deformable, const btCollisionObject* other)
+      : btCollisionAlgorithm(info), listener_(listener), deformable_(deformable), other_(other) {}
+  ~PairAlgorithm() override { listener_.pair_gone(deformable_, other_); }
+  PairAlgorithm(const PairAlgorithm&) = delete;
+  PairAlgorithm& operator=(const PairAlgorithm&) = delete;
 
-  void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
+  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
                         const btDispatcherInfo& info, btManifoldResult*) override {
     if (info.m_dispatchFunc == btDispatcherInfo::DISPATCH_DISCRETE) {
-      const btCollisionObject* soft = (swapped_ ? b : a)->getCollisionObject();
-      listener_.pair_found(soft, (swapped_ ? a : b)->getCollisionObject(), info.m_timeStep);
+      listener_.pair_found(deformable_, other_, info.m_timeStep);
     }
   }
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
@@ -31,7 +35,8 @@ class PairAlgorithm final : public btCollisionAlgorithm {
 
  private:
   PairListener& listener_;
-  bool swapped_;
+  const btCollisionObject* deformable_;
+  const btCollisionObject* other_;
 };
 
 }  // namespace
@@ -44,12 +49,16 @@ class PairHook::CreateFunc final : public btCollisionAlgorithmCreateFunc {
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
-    const bool first = listener_.owns(a->getCollisionObject());
-    if (!first && !listener_.owns(b->getCollisionObject())) {
-      return original->CreateCollisionAlgorithm(info, a, b);
+    const btCollisionObject* first = a->getCollisionObject();
+    const btCollisionObject* second = b->getCollisionObject();
+    if (!listener_.owns(first)) {
+      if (!listener_.owns(second)) {
+        return original->CreateCollisionAlgorithm(info, a, b);
+      }
+      std::swap(first, second);
     }
     void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(PairAlgorithm));
-    return new (memory) PairAlgorithm(info, listener_, !first);
+    return new (memory) PairAlgorithm(info, listener_, first, second);
   }
 
   btCollisionAlgorithmCreateFunc* original;

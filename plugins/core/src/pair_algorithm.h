@@ -17,6 +17,8 @@ class PairListener {
   virtual ~PairListener() = default;
   virtual bool owns(const btCollisionObject* object) const = 0;
   virtual void pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) = 0;
+  // Their bounds have parted, or one of them leaves the world (it may be deleted right after).
+  virtual void pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) = 0;
 };
 
 // Our own collision functions for soft shapes, in every collision configuration: stock ones would extrude

@@ -22,6 +22,19 @@ void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, con
   }
 }
 
+void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) {
+  std::erase_if(pairs_, [&](const Pair& p) {
+    return p.other == other && bodies[static_cast<std::size_t>(p.body)] == deformable;
+  });
+  std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == deformable && p.other == other; });
+  const auto gone = [&](const Contact& c) {
+    return c.object == other && bodies[static_cast<std::size_t>(c.body)] == deformable;
+  };
+  if (std::any_of(contacts_.all().begin(), contacts_.all().end(), gone)) {
+    contacts_.erase_if(gone);
+  }
+}
+
 void DeformableSystem::Impl::all_solved(double dt) {
   open_substep(dt);
   predict(dt);
@@ -98,14 +111,11 @@ void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionSha
     return;
   }
   placed_.push_back({body, {rigid, &shape, &collider, local}});
-  if (!collider.corners.empty()) {
-    near_features_[static_cast<std::size_t>(body)] = 1;
-  }
 }
 
 void DeformableSystem::Impl::place_colliders(double dt) {
+  shapes_.begin_substep();
   placed_.clear();
-  near_features_.assign(bodies.size(), 0);
   profile.counts.pairs = static_cast<int>(pairs_.size());
   for (const Pair& pair : pairs_) {
     if (!pair.other->hasContactResponse()) {
