@@ -319,6 +319,20 @@ TEST(Sibling, StandsBesideThisProgram) {
   EXPECT_EQ(sibling_path(Precision::kDouble), self.parent_path() / "softpoint-float64");
 }
 
+TEST(Sibling, TheOtherPrecisionTakesOverOrIsMissed) {
+  const Precision other = kBuiltPrecision == Precision::kSingle ? Precision::kDouble : Precision::kSingle;
+  const int expected = std::filesystem::exists(sibling_path(other)) ? 0 : 7;
+  const auto run = [&] {
+    try {
+      exec_sibling(other, {"softpoint", "--version"});
+    } catch (const Error&) {
+      std::_Exit(7);
+    }
+    std::_Exit(8);
+  };
+  EXPECT_EXIT(run(), ::testing::ExitedWithCode(expected), "");
+}
+
 TEST(Sibling, TheOwnPrecisionNeedsNone) { EXPECT_NO_THROW(exec_sibling(kBuiltPrecision, {"softpoint"})); }
 
 }  // namespace
