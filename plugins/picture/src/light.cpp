@@ -30,10 +30,10 @@ void fill_light(FrameBlock& block, const View& view, const RenderSettings& setti
   store(block.ray_forward, view.forward);
   store(block.world_up, view.world_up);
   store(block.to_light, to_light);
-  store(block.light_color, {0.92, 0.87, 0.79});
-  store(block.sky_zenith, {0.30, 0.47, 0.74});
-  store(block.sky_horizon, {0.80, 0.85, 0.90});
-  store(block.bounce, {0.20, 0.19, 0.18});
+  store(block.light_color, {0.98, 0.91, 0.80});
+  store(block.sky_zenith, {0.22, 0.40, 0.70});
+  store(block.sky_horizon, {0.76, 0.82, 0.88});
+  store(block.bounce, {0.19, 0.17, 0.15});
   if (!settings.sky) {
     const Color& color = settings.background;
     const Vec3 plain(decode_srgb(color.r), decode_srgb(color.g), decode_srgb(color.b));

@@ -30,8 +30,13 @@ Color palette_color(int i) {
   constexpr std::array<double, 3> kLightness = {0.69, 0.74, 0.64};
   constexpr double kChroma = 0.125;
   const double hue = std::fmod(kFirstHue + kGoldenAngle * i, 360.0) * kDegree;
-  const auto linear = oklab_to_linear(kLightness[static_cast<std::size_t>(i % 3)], kChroma * std::cos(hue),
-                                      kChroma * std::sin(hue));
+  std::array<double, 3> linear{};
+  // Paler where a screen cannot show the full chroma.
+  for (double chroma = kChroma; chroma > 0; chroma -= 0.005) {
+    linear = oklab_to_linear(kLightness[static_cast<std::size_t>(i % 3)], chroma * std::cos(hue),
+                             chroma * std::sin(hue));
+    if (std::all_of(linear.begin(), linear.end(), [](double c) { return c > 0.01 && c < 0.95; })) break;
+  }
   return {static_cast<float>(encode_srgb(linear[0])), static_cast<float>(encode_srgb(linear[1])),
           static_cast<float>(encode_srgb(linear[2]))};
 }

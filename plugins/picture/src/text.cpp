@@ -15,7 +15,7 @@ namespace {
 constexpr double kAdvance = 8.6, kLineHeight = 18.0;
 constexpr double kPadX = 7.0, kPadY = 4.0;
 constexpr double kBaseline = 12.0;  // below the top of a line
-constexpr double kPenRadius = 0.68;
+constexpr double kPenRadius = 0.72, kDotRadius = 1.0;
 
 // A size's glyphs as coverage, rasterised when first used.
 class Glyphs {
@@ -40,19 +40,19 @@ class Glyphs {
     out.resize(static_cast<std::size_t>(width_ * height_));
     // Whole pixels at scale 1: strokes then run through pixel centres and stay crisp.
     const double left = std::floor(1.3 * scale_) + 0.5, base = std::floor(kBaseline * scale_) + 0.5;
-    const double pen = std::max(kPenRadius * scale_, 0.55);
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        double nearest = 1e9;
+        double inside = -1e9;  // depth within the ink, pixels
         for (const FontSegment& s : glyph_segments(character)) {
           const double ax = left + scale_ * s.ax, ay = base - scale_ * s.ay;
           const double dx = scale_ * (s.bx - s.ax), dy = -scale_ * (s.by - s.ay);
           const double px = x + 0.5 - ax, py = y + 0.5 - ay;
           const double length2 = dx * dx + dy * dy;
           const double t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0.0;
-          nearest = std::min(nearest, std::hypot(px - t * dx, py - t * dy));
+          const double pen = std::max((length2 > 0 ? kPenRadius : kDotRadius) * scale_, 0.55);
+          inside = std::max(inside, pen - std::hypot(px - t * dx, py - t * dy));
         }
-        const double cover = std::clamp(pen - nearest + 0.5, 0.0, 1.0);
+        const double cover = std::clamp(inside + 0.5, 0.0, 1.0);
         out[static_cast<std::size_t>(y * width_ + x)] = static_cast<std::uint8_t>(std::lround(255 * cover));
       }
     }

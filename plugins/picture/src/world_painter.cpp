@@ -31,7 +31,9 @@ class WorldPainter::Impl {
     Material material;
     // Bullet's soft bodies carry the flag of static objects although they move.
     if (object.isStaticObject() && !btSoftBody::upcast(&object)) {
-      material.color = kStaticColor;
+      const btCollisionShape* shape = object.getCollisionShape();
+      const bool floor = shape && shape->getShapeType() == STATIC_PLANE_PROXYTYPE;
+      material.color = floor ? kGroundColor : kStaticColor;
       material.roughness = 0.8;
       return material;
     }

@@ -26,7 +26,7 @@ layout(std140) uniform Frame {
 
 vec3 sky(vec3 direction) {
   float height = dot(direction, world_up.xyz);
-  float t = 1.0 - exp2(-3.2 * max(height, 0.0));
+  float t = 1.0 - exp2(-4.5 * max(height, 0.0));
   return mix(sky_horizon.rgb, sky_zenith.rgb, t);
 }
 

@@ -51,7 +51,7 @@ vec3 shade(vec3 albedo, vec3 n, vec3 to_eye, float roughness, float wetness, flo
   float n_l = max(dot(n, to_light.xyz), 0.0);
   float n_v = max(dot(n, to_eye), 0.03);
   float facing_up = 0.5 + 0.5 * dot(n, world_up.xyz);
-  vec3 hemisphere = mix(bounce.rgb, sky_zenith.rgb * 0.35 + sky_horizon.rgb * 0.17, facing_up);
+  vec3 hemisphere = mix(bounce.rgb, sky_zenith.rgb * 0.28 + sky_horizon.rgb * 0.17, facing_up);
   vec3 light = light_color.rgb * (visibility * n_l);
 
   vec3 h = normalize(to_light.xyz + to_eye);

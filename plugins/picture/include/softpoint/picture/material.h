@@ -17,7 +17,8 @@ struct Material {
 // The i-th of an endless row of well-distinguishable colours of even lightness (i >= 0).
 Color palette_color(int i);
 
-// The colour of things that never move.
+// The colours of things that never move, and of floors.
 inline constexpr Color kStaticColor{0.66F, 0.66F, 0.64F};
+inline constexpr Color kGroundColor{0.77F, 0.76F, 0.74F};
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture

@@ -73,7 +73,7 @@ class Renderer {
   void begin(const Camera& camera);
   void draw_mesh(int mesh, const Material& material = {}, const Pose& pose = {});
   // The unbounded plane normal . x = offset, seen from above only. `normal` need not be a unit vector.
-  void draw_ground(const Vec3& normal = {0.0, 1.0, 0.0}, double offset = 0.0, Color color = kStaticColor);
+  void draw_ground(const Vec3& normal = {0.0, 1.0, 0.0}, double offset = 0.0, Color color = kGroundColor);
   // Lines, points and flat triangles are not lit. With `see_through` they also show behind other things.
   void draw_line(const Vec3& from, const Vec3& to, Color color, double width_pixels = 1.5,
                  bool see_through = false);
