@@ -1,0 +1,211 @@
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "softpoint/core/surface.h"
+
+// Slow and obvious measures of penetration, independent of the library's own contact code.
+namespace softpoint {
+
+// Signed distance (m, negative inside) from a world point to a rigid shape: plane, sphere, box, capsule,
+// upright cylinder, convex hull (half-spaces through every triple of its points), compound (the deepest
+// child).
+inline double brute_distance(const btCollisionShape& shape, const btTransform& placed,
+                             const Vec3& world_point) {
+  Eigen::Matrix3d rotation;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      rotation(r, c) = placed.getBasis()[r][c];
+    }
+  }
+  const btVector3& o = placed.getOrigin();
+  const Vec3 p = rotation.transpose() * (world_point - Vec3(o.x(), o.y(), o.z()));
+  const auto vec = [](const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); };
+  const auto box = [](const Vec3& half, const Vec3& q) {
+    const Vec3 over = q.cwiseAbs() - half;
+    return over.cwiseMax(0.0).norm() + std::min(over.maxCoeff(), 0.0);
+  };
+  switch (shape.getShapeType()) {
+    case STATIC_PLANE_PROXYTYPE: {
+      const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+      return vec(plane.getPlaneNormal()).dot(p) - plane.getPlaneConstant();
+    }
+    case SPHERE_SHAPE_PROXYTYPE:
+      return p.norm() - static_cast<const btSphereShape&>(shape).getRadius();
+    case BOX_SHAPE_PROXYTYPE:
+      return box(vec(static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin()), p);
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      Vec3 q = p;
+      const int axis = capsule.getUpAxis();
+      q[axis] = std::max(std::abs(q[axis]) - double(capsule.getHalfHeight()), 0.0);
+      return q.norm() - capsule.getRadius();
+    }
+    case CYLINDER_SHAPE_PROXYTYPE: {  // core grown by the margin, as Bullet has it
+      const auto& cylinder = static_cast<const btCylinderShape&>(shape);
+      const Vec3 half = vec(cylinder.getHalfExtentsWithoutMargin());
+      const double over_r = std::hypot(p.x(), p.z()) - half.x(), over_y = std::abs(p.y()) - half.y();
+      return std::hypot(std::max(over_r, 0.0), std::max(over_y, 0.0)) +
+             std::min(std::max(over_r, over_y), 0.0) - cylinder.getMargin();
+    }
+    case CONVEX_HULL_SHAPE_PROXYTYPE: {  // exact inside, a lower bound of the distance outside
+      const auto& hull = static_cast<const btConvexHullShape&>(shape);
+      double deepest = -std::numeric_limits<double>::infinity();
+      const int count = hull.getNumPoints();
+      for (int i = 0; i < count; ++i) {
+        for (int j = i + 1; j < count; ++j) {
+          for (int k = j + 1; k < count; ++k) {
+            const Vec3 a = vec(hull.getScaledPoint(i)), b = vec(hull.getScaledPoint(j));
+            const Vec3 c = vec(hull.getScaledPoint(k));
+            Vec3 n = (b - a).cross(c - a);
+            if (n.norm() < 1e-9) continue;
+            n.normalize();
+            double low = 0, high = 0;
+            for (int m = 0; m < count; ++m) {
+              const double d = n.dot(vec(hull.getScaledPoint(m)) - a);
+              low = std::min(low, d);
+              high = std::max(high, d);
+            }
+            if (high < 1e-6) deepest = std::max(deepest, n.dot(p - a));
+            if (low > -1e-6) deepest = std::max(deepest, -n.dot(p - a));
+          }
+        }
+      }
+      return deepest - hull.getMargin();
+    }
+    case COMPOUND_SHAPE_PROXYTYPE: {
+      const auto& compound = static_cast<const btCompoundShape&>(shape);
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+        nearest = std::min(nearest, brute_distance(*compound.getChildShape(i),
+                                                   placed * compound.getChildTransform(i), world_point));
+      }
+      return nearest;
+    }
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+// How far the deepest point of the skin is inside the object (m, > 0 inside).
+inline double skin_depth(const Surface& skin, const btCollisionObject& object) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (const Vec3& p : skin.points()) {
+    deepest = std::max(deepest, -brute_distance(*object.getCollisionShape(), object.getWorldTransform(), p));
+  }
+  return deepest;
+}
+
+inline double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (p - a - t * (b - a)).norm();
+}
+
+inline double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = (b - a).cross(c - a).normalized();
+  const bool over = n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 &&
+                    n.dot((a - c).cross(p - c)) >= 0;
+  if (over) {
+    return std::abs(n.dot(p - a));
+  }
+  return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+}
+
+// Signed distance from a point to a closed skin (negative inside, by the winding number).
+inline double distance_to_skin(const Surface& skin, const Vec3& p) {
+  double nearest = std::numeric_limits<double>::infinity(), angle = 0;
+  for (const Triangle& t : skin.faces()) {
+    const auto at = [&](std::size_t k) -> const Vec3& {
+      return skin.points()[static_cast<std::size_t>(t[k])];
+    };
+    nearest = std::min(nearest, distance_to_triangle(p, at(0), at(1), at(2)));
+    const Vec3 a = at(0) - p, b = at(1) - p, c = at(2) - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle +=
+        2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return angle > 2.0 * std::numbers::pi ? -nearest : nearest;
+}
+
+// Corners of a shape and the radius of the ball round each that belongs to it: corners of boxes and hulls,
+// centres of spheres, ends of a capsule's core, points on the rims of a cylinder.
+inline void shape_corners(const btCollisionShape& shape, const btTransform& placed,
+                          std::vector<Vec3>& corners, std::vector<double>& radii) {
+  const auto add = [&](const btVector3& local, double radius) {
+    const btVector3 w = placed * local;
+    corners.push_back(Vec3(w.x(), w.y(), w.z()));
+    radii.push_back(radius);
+  };
+  switch (shape.getShapeType()) {
+    case BOX_SHAPE_PROXYTYPE: {
+      const btVector3 h = static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin();
+      for (int i = 0; i < 8; ++i) {
+        add(btVector3(i & 1 ? h.x() : -h.x(), i & 2 ? h.y() : -h.y(), i & 4 ? h.z() : -h.z()), 0);
+      }
+      break;
+    }
+    case SPHERE_SHAPE_PROXYTYPE:
+      add(btVector3(0, 0, 0), static_cast<const btSphereShape&>(shape).getRadius());
+      break;
+    case CAPSULE_SHAPE_PROXYTYPE: {
+      const auto& capsule = static_cast<const btCapsuleShape&>(shape);
+      btVector3 end(0, 0, 0);
+      end[capsule.getUpAxis()] = capsule.getHalfHeight();
+      add(end, capsule.getRadius());
+      add(-end, capsule.getRadius());
+      break;
+    }
+    case CONVEX_HULL_SHAPE_PROXYTYPE: {
+      const auto& hull = static_cast<const btConvexHullShape&>(shape);
+      for (int i = 0; i < hull.getNumPoints(); ++i) {
+        add(hull.getScaledPoint(i), hull.getMargin());
+      }
+      break;
+    }
+    case CYLINDER_SHAPE_PROXYTYPE: {
+      const auto& cylinder = static_cast<const btCylinderShape&>(shape);
+      const btVector3 h = cylinder.getHalfExtentsWithoutMargin();
+      for (int i = 0; i < 32; ++i) {
+        const double angle = i * std::numbers::pi / 16.0;
+        for (const int side : {-1, 1}) {
+          add(btVector3(btScalar(h.x() * std::cos(angle)), h.y() * btScalar(side),
+                        btScalar(h.x() * std::sin(angle))),
+              cylinder.getMargin());
+        }
+      }
+      break;
+    }
+    case COMPOUND_SHAPE_PROXYTYPE: {
+      const auto& compound = static_cast<const btCompoundShape&>(shape);
+      for (int i = 0; i < compound.getNumChildShapes(); ++i) {
+        shape_corners(*compound.getChildShape(i), placed * compound.getChildTransform(i), corners, radii);
+      }
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+// How far the deepest corner of the object is inside the skin (m, > 0 inside).
+inline double corner_depth(const Surface& skin, const btCollisionObject& object) {
+  std::vector<Vec3> corners;
+  std::vector<double> radii;
+  shape_corners(*object.getCollisionShape(), object.getWorldTransform(), corners, radii);
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    deepest = std::max(deepest, radii[i] - distance_to_skin(skin, corners[i]));
+  }
+  return deepest;
+}
+
+}  // namespace softpoint
