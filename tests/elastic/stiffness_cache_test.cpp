@@ -206,6 +206,7 @@ TEST_F(StiffnessCache, ReadOnlyFolderStillServesReaders) {
   const TriangleMesh mesh = small_solid();
   get(mesh);
   fs::permissions(folder_.path(), fs::perms(0755));
+  fs::permissions(fs::path(cache_.folder).parent_path(), fs::perms(0755));
   fs::permissions(file(mesh), fs::perms(0444));
   fs::permissions(cache_.folder, fs::perms(0555));
   const pid_t child = ::fork();
