@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "softpoint/core/config.h"
 
@@ -22,7 +24,8 @@ struct Command {
   std::function<int()> run;
 };
 
-// One function a subcommand, each in a file of its own.
+// One function a subcommand, each in a file of its own. `arguments` are those of the whole program.
+Command add_play_command(CLI::App& program, const std::vector<std::string>& arguments);
 Command add_solve_command(CLI::App& program);
 Command add_schema_command(CLI::App& program);
 

@@ -98,9 +98,14 @@ class ObjectReader {
   // Absent, or null: empty. `spec.fallback` is not used.
   std::optional<double> optional_number(std::string_view key, const NumberSpec& spec);
   int integer(std::string_view key, const IntegerSpec& spec);
+  // Absent, or null: empty. `spec.fallback` is not used.
+  std::optional<int> optional_integer(std::string_view key, const IntegerSpec& spec);
   bool boolean(std::string_view key, const BooleanSpec& spec);
+  std::optional<bool> optional_boolean(std::string_view key, const BooleanSpec& spec);
   std::string text(std::string_view key, const TextSpec& spec);
   Vec3 vec3(std::string_view key, const Vec3Spec& spec);
+  // Absent, or null: empty. `spec.fallback` is not used.
+  std::optional<Vec3> optional_vec3(std::string_view key, const Vec3Spec& spec);
   // Three numbers, any of which may be null.
   std::array<std::optional<double>, 3> partial_vec3(std::string_view key, const Vec3Spec& spec);
   std::vector<int> indices(std::string_view key, const IndexListSpec& spec);
@@ -152,6 +157,8 @@ class ObjectReader {
   const nlohmann::json* find(std::string_view key, const SchemaEntry& entry, bool required);
   const nlohmann::json* find_list(std::string_view key, const std::string& item_type, const ListSpec& spec);
   double number_at(const nlohmann::json& value, const std::string& path, const NumberSpec& spec) const;
+  int integer_at(const nlohmann::json& value, std::string_view key, const IntegerSpec& spec) const;
+  Vec3 vec3_at(const nlohmann::json& value, std::string_view key, const Vec3Spec& spec) const;
   std::string text_at(const nlohmann::json& value, const std::string& path) const;
   bool nested(std::string_view key, const std::string& doc, bool required, const ReadObject& read);
   void read_child(const nlohmann::json* value, const std::string& path, const ReadObject& read);

@@ -46,6 +46,16 @@ SchemaEntry number_entry(const NumberSpec& spec, const std::string& absent) {
       absent, spec.doc};
 }
 
+std::string integer_range(const IntegerSpec& spec) {
+  const bool limited =
+      spec.low > std::numeric_limits<int>::min() || spec.high < std::numeric_limits<int>::max();
+  return limited ? fmt::format("{} to {}", spec.low, spec.high) : "";
+}
+
+SchemaEntry integer_entry(const IntegerSpec& spec, const std::string& absent) {
+  return {"", "", "integer", integer_range(spec), absent, spec.doc};
+}
+
 NumberSpec component(const Vec3Spec& spec) { return {spec.quantity, spec.low, spec.high, false, {}, ""}; }
 
 SchemaEntry vec3_entry(const Vec3Spec& spec, const std::string& absent) {
@@ -118,20 +128,29 @@ std::optional<double> ObjectReader::optional_number(std::string_view key, const 
 }
 
 int ObjectReader::integer(std::string_view key, const IntegerSpec& spec) {
-  const bool limited =
-      spec.low > std::numeric_limits<int>::min() || spec.high < std::numeric_limits<int>::max();
-  const std::string range = limited ? fmt::format("{} to {}", spec.low, spec.high) : "";
   const json* value = find(
-      key, {"", "", "integer", range, spec.fallback ? std::to_string(*spec.fallback) : kRequired, spec.doc},
-      !spec.fallback);
+      key, integer_entry(spec, spec.fallback ? std::to_string(*spec.fallback) : kRequired), !spec.fallback);
   if (value == nullptr) {
     return spec.fallback.value_or(static_cast<int>(std::clamp(1LL, spec.low, spec.high)));
   }
-  if (!value->is_number_integer()) {
-    refuse(key, "permitted is an integer" + (limited ? ", " + range : ""));
+  return integer_at(*value, key, spec);
+}
+
+std::optional<int> ObjectReader::optional_integer(std::string_view key, const IntegerSpec& spec) {
+  const json* value = find(key, integer_entry(spec, "optional"), false);
+  if (value == nullptr || value->is_null()) {
+    return std::nullopt;
   }
-  const bool too_large = value->is_number_unsigned() && value->get<unsigned long long>() > INT64_MAX;
-  const long long number = too_large ? INT64_MAX : value->get<long long>();
+  return integer_at(*value, key, spec);
+}
+
+int ObjectReader::integer_at(const json& value, std::string_view key, const IntegerSpec& spec) const {
+  if (!value.is_number_integer()) {
+    const std::string range = integer_range(spec);
+    refuse(key, "permitted is an integer" + (range.empty() ? "" : ", " + range));
+  }
+  const bool too_large = value.is_number_unsigned() && value.get<unsigned long long>() > INT64_MAX;
+  const long long number = too_large ? INT64_MAX : value.get<long long>();
   if (number < spec.low || number > spec.high) {
     refuse(key, fmt::format("permitted is an integer, {} to {}", spec.low, spec.high));
   }
@@ -143,6 +162,17 @@ bool ObjectReader::boolean(std::string_view key, const BooleanSpec& spec) {
   const json* value = find(key, {"", "", "true or false", "", absent, spec.doc}, !spec.fallback);
   if (value == nullptr) {
     return spec.fallback.value_or(false);
+  }
+  if (!value->is_boolean()) {
+    refuse(key, "permitted is true or false");
+  }
+  return value->get<bool>();
+}
+
+std::optional<bool> ObjectReader::optional_boolean(std::string_view key, const BooleanSpec& spec) {
+  const json* value = find(key, {"", "", "true or false", "", "optional", spec.doc}, false);
+  if (value == nullptr || value->is_null()) {
+    return std::nullopt;
   }
   if (!value->is_boolean()) {
     refuse(key, "permitted is true or false");
@@ -177,12 +207,24 @@ Vec3 ObjectReader::vec3(std::string_view key, const Vec3Spec& spec) {
   if (value == nullptr) {
     return spec.fallback.value_or(Vec3::Constant(any_permitted(spec.low, spec.high)));
   }
-  if (!value->is_array() || value->size() != 3) {
+  return vec3_at(*value, key, spec);
+}
+
+std::optional<Vec3> ObjectReader::optional_vec3(std::string_view key, const Vec3Spec& spec) {
+  const json* value = find(key, vec3_entry(spec, "optional"), false);
+  if (value == nullptr || value->is_null()) {
+    return std::nullopt;
+  }
+  return vec3_at(*value, key, spec);
+}
+
+Vec3 ObjectReader::vec3_at(const json& value, std::string_view key, const Vec3Spec& spec) const {
+  if (!value.is_array() || value.size() != 3) {
     refuse(key, "permitted is a " + vec3_type(spec.quantity));
   }
   Vec3 result;
   for (int k = 0; k < 3; ++k) {
-    result[k] = number_at((*value)[static_cast<std::size_t>(k)],
+    result[k] = number_at(value[static_cast<std::size_t>(k)],
                           fmt::format("{}/{}/{}", path(), pointer_token(key), k), component(spec));
   }
   return result;

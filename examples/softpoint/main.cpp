@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
       fmt::format("softpoint {}.{}.{} ({} precision)", kVersionMajor, kVersionMinor, kVersionPatch,
                   scene::kBuiltPrecision == scene::Precision::kDouble ? "double" : "single"));
   const std::vector<scene::Command> commands = {
+      scene::add_play_command(program, {argv, argv + argc}),
       scene::add_solve_command(program),
       scene::add_schema_command(program),
   };

@@ -1,0 +1,89 @@
+#include "player_handles.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+
+int nearest_vertex(const Deformable& body, const Vec3& position) {
+  const auto points = body.points();
+  const auto nearest = std::min_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - position).squaredNorm() < (b - position).squaredNorm();
+  });
+  return static_cast<int>(nearest - points.begin());
+}
+
+void HandleSet::grab(const GrabEvent& event, Deformable& body, const Vec3& near) {
+  Handle& handle = handles_[static_cast<std::size_t>(event.handle)];
+  const auto points = body.points();
+  std::vector<int> vertices = event.vertices;
+  if (vertices.empty()) {
+    const int nearest = nearest_vertex(body, near);
+    for (int v = 0; v < static_cast<int>(points.size()); ++v) {
+      if (v == nearest || (points[static_cast<std::size_t>(v)] - near).norm() < event.radius) {
+        vertices.push_back(v);
+      }
+    }
+  }
+  handle.position = Vec3::Zero();
+  for (const int v : vertices) {
+    handle.position += points[static_cast<std::size_t>(v)] / static_cast<double>(vertices.size());
+  }
+  handle.path = {};
+  handle.held.clear();
+  for (const int v : vertices) {
+    const Vec3& point = points[static_cast<std::size_t>(v)];
+    handle.held.push_back({&body, v, system_.grab(body, v, point, event.max_force), point - handle.position});
+  }
+}
+
+void HandleSet::move(const MoveEvent& event, double now) {
+  Handle& handle = handles_[static_cast<std::size_t>(event.handle)];
+  Vec3 origin = Vec3::Zero();
+  if (event.origin == Origin::kHandle) {
+    origin = handle.position;
+  } else if (event.origin == Origin::kBody) {
+    origin = handle.held.front().body->center_of_mass();
+  }
+  std::vector<Keyframe> keyframes = {{now, handle.position}};
+  for (const Keyframe& key : event.keyframes) {
+    keyframes.push_back({now + key.time, origin + key.value});
+  }
+  handle.path = Path(std::move(keyframes), event.timing);
+}
+
+void HandleSet::release(int index) {
+  Handle& handle = handles_[static_cast<std::size_t>(index)];
+  for (const Held& held : handle.held) {
+    system_.release(held.id);
+  }
+  handle.held.clear();
+}
+
+void HandleSet::forget(const Deformable& body) {
+  for (Handle& handle : handles_) {
+    std::erase_if(handle.held, [&](const Held& held) { return held.body == &body; });
+  }
+}
+
+void HandleSet::lead(double now) {
+  for (Handle& handle : handles_) {
+    if (handle.held.empty() || handle.path.empty()) {
+      continue;
+    }
+    handle.position = handle.path.at(now);
+    for (const Held& held : handle.held) {
+      system_.move(held.id, handle.position + held.offset);
+    }
+  }
+}
+
+Vec3 HandleSet::force(std::size_t handle) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Held& held : handles_[handle].held) {
+    sum += system_.handle_force(held.id);
+  }
+  return sum;
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene

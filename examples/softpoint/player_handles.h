@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include "scene.h"
+#include "softpoint/core/deformable_system.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+
+// The named handles of a scene. One holds a point, or several that keep their places to each other, and
+// may be led along a path.
+class HandleSet {
+ public:
+  struct Held {
+    Deformable* body = nullptr;
+    int point = 0;
+    HandleId id = 0;
+    Vec3 offset = Vec3::Zero();  // m, of the point's target from the handle
+  };
+
+  HandleSet(DeformableSystem& system, std::size_t count) : system_(system), handles_(count) {}
+
+  // `near` in the world; used where the event names no vertices.
+  void grab(const GrabEvent& event, Deformable& body, const Vec3& near);
+  void move(const MoveEvent& event, double now);
+  void release(int handle);
+  // The body has left the system, and took what held it along.
+  void forget(const Deformable& body);
+  // Leads all handles to where they are at that time.
+  void lead(double now);
+
+  std::size_t count() const { return handles_.size(); }
+  const std::vector<Held>& held(std::size_t handle) const { return handles_[handle].held; }
+  // m; where the handle is led to now.
+  const Vec3& position(std::size_t handle) const { return handles_[handle].position; }
+  // Sum of its forces on the body in the last substep (N).
+  Vec3 force(std::size_t handle) const;
+
+ private:
+  struct Handle {
+    std::vector<Held> held;
+    Vec3 position = Vec3::Zero();
+    Path path;  // times of the scene
+  };
+
+  DeformableSystem& system_;
+  std::vector<Handle> handles_;
+};
+
+// The vertex of `body` nearest to `position`.
+int nearest_vertex(const Deformable& body, const Vec3& position);
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene

@@ -1,0 +1,330 @@
+#include "scene_event_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "json_reader_state.h"
+#include "nearest.h"
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+namespace {
+
+// Reads the events one by one, then goes through them in order of time to see which handles are held.
+class EventReader {
+ public:
+  explicit EventReader(Scene& scene) : scene_(scene) {}
+
+  void read(ObjectReader& item);
+  void check_order() const;
+
+ private:
+  void read_grab(ObjectReader& item);
+  void read_pin(ObjectReader& item);
+  void read_move(ObjectReader& item);
+  void read_impulse(ObjectReader& item);
+  void read_toggle(ObjectReader& item);
+  int read_new_handle(ObjectReader& item);
+  int read_handle(ObjectReader& item);
+  bool read_near_frame(ObjectReader& item);
+  void add(ObjectReader& item, Event event);
+
+  Scene& scene_;
+  double at_ = 0;
+  std::vector<std::string> places_;  // of the events, for messages
+};
+
+const char* const kHandleDoc = "name of the handle";
+const char* const kNearDoc = "the vertex nearest to this position at that time";
+
+int EventReader::read_new_handle(ObjectReader& item) {
+  const std::string name = item.text("handle", {.doc = "name for the handle, for later events"});
+  if (name.empty() && !item.describing()) {
+    item.refuse("handle", "permitted is any text but the empty one");
+  }
+  const auto found = std::find(scene_.handles.begin(), scene_.handles.end(), name);
+  const int index = static_cast<int>(found - scene_.handles.begin());
+  if (found == scene_.handles.end()) {
+    scene_.handles.push_back(name);
+  }
+  return index;
+}
+
+int EventReader::read_handle(ObjectReader& item) {
+  const std::string name = item.text("handle", {.doc = kHandleDoc});
+  const auto found = std::find(scene_.handles.begin(), scene_.handles.end(), name);
+  if (found == scene_.handles.end() && !item.describing()) {
+    const std::string meant = nearest(name, scene_.handles);
+    item.refuse("handle",
+                scene_.handles.empty()
+                    ? "no event before this one grabs or pins anything"
+                    : fmt::format("permitted are handles of events before: {}{}", joined(scene_.handles),
+                                  meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+  }
+  return static_cast<int>(found - scene_.handles.begin());
+}
+
+bool EventReader::read_near_frame(ObjectReader& item) {
+  return item.choice<bool>("near_in", {{"world", false}, {"body", true}},
+                           {.fallback = "world", .doc = "body: counted from its centre of mass, unturned"});
+}
+
+void EventReader::read_grab(ObjectReader& item) {
+  GrabEvent grab;
+  grab.handle = read_new_handle(item);
+  grab.deformable = read_body_ref(item, "body", scene_, true, "name of a deformable").index;
+  const int count =
+      item.describing() ? 1 : scene_.deformables[static_cast<std::size_t>(grab.deformable)].vertex_count;
+  const auto vertex = item.optional_integer(
+      "vertex", {.low = 0,
+                 .high = item.describing() ? std::numeric_limits<int>::max() : count - 1,
+                 .doc = "counted from 0; or near"});
+  const auto near = item.optional_vec3("near", {.quantity = Quantity::kLength, .doc = kNearDoc});
+  if (!item.describing() && vertex.has_value() == near.has_value()) {
+    item.refuse("permitted is one of: vertex, near");
+  }
+  if (vertex) {
+    grab.vertices = {*vertex};
+  }
+  grab.near = near.value_or(Vec3::Zero());
+  grab.near_body = read_near_frame(item);
+  grab.max_force =
+      item.optional_number("max_force", {.quantity = Quantity::kForce,
+                                         .low = 0.0,
+                                         .above = true,
+                                         .doc = "strongest pull; without it the vertex follows exactly"})
+          .value_or(kNoLimit);
+  add(item, {at_, grab});
+}
+
+void EventReader::read_pin(ObjectReader& item) {
+  GrabEvent pin;
+  pin.max_force = kNoLimit;
+  pin.handle = read_new_handle(item);
+  pin.deformable = read_body_ref(item, "body", scene_, true, "name of a deformable").index;
+  const bool by_vertices = item.has("vertices"), by_near = item.has("near");
+  if (!item.describing() && by_vertices == by_near) {
+    item.refuse("permitted is one of: vertices, near");
+  }
+  if (by_vertices || item.describing()) {
+    pin.vertices = item.indices(
+        "vertices", {.count = item.describing()
+                                  ? 1
+                                  : scene_.deformables[static_cast<std::size_t>(pin.deformable)].vertex_count,
+                     .of = "vertices of the body",
+                     .doc = "or near"});
+  }
+  pin.near =
+      item.optional_vec3("near", {.quantity = Quantity::kLength, .doc = kNearDoc}).value_or(Vec3::Zero());
+  pin.radius = item.number("radius", {.quantity = Quantity::kLength,
+                                      .low = 0.0,
+                                      .fallback = 0.0,
+                                      .doc = "with near: all vertices within it too"});
+  pin.near_body = read_near_frame(item);
+  add(item, {at_, pin});
+}
+
+void EventReader::read_move(ObjectReader& item) {
+  MoveEvent move;
+  move.handle = read_handle(item);
+  move.origin = item.choice<Origin>(
+      "from", {{"world", Origin::kWorld}, {"handle", Origin::kHandle}, {"body", Origin::kBody}},
+      {.fallback = "world",
+       .doc = "what positions count from: the world, where the handle is when this begins, or the centre of "
+              "mass "
+              "of its body then"});
+  move.timing = item.choice<Timing>("timing", {{"smooth", Timing::kSmooth}, {"linear", Timing::kLinear}},
+                                    {.fallback = "smooth", .doc = "smooth starts and ends at rest"});
+  const auto to =
+      item.optional_vec3("to", {.quantity = Quantity::kLength, .doc = "with duration; or keyframes"});
+  const auto duration = item.optional_number(
+      "duration", {.quantity = Quantity::kTime, .low = 0.0, .above = true, .doc = "with to"});
+  if (to.has_value() != duration.has_value()) {
+    item.refuse("permitted are to and duration together, or keyframes");
+  }
+  if (to) {
+    move.keyframes = {{*duration, *to}};
+  }
+  item.list("keyframes", {.min = 1, .optional = true, .doc = "positions at times after the event"},
+            [&](ObjectReader& key, int) {
+              Keyframe frame;
+              frame.time = key.number("time", {.quantity = Quantity::kTime, .low = 0.0, .above = true});
+              frame.value = key.vec3("position", {.quantity = Quantity::kLength});
+              if (!move.keyframes.empty() && frame.time <= move.keyframes.back().time) {
+                key.refuse("time", to ? "permitted are to and duration, or keyframes, not both"
+                                      : "permitted are times in rising order");
+              }
+              move.keyframes.push_back(frame);
+            });
+  if (!item.describing() && (move.keyframes.empty() || (to && item.has("keyframes")))) {
+    item.refuse("permitted is one of: to and duration, keyframes");
+  }
+  add(item, {at_, move});
+}
+
+void EventReader::read_impulse(ObjectReader& item) {
+  ImpulseEvent event;
+  event.body = read_body_ref(item, "body", scene_, false, "name of a body");
+  event.impulse = item.vec3("impulse", {.quantity = Quantity::kImpulse});
+  event.near = item.optional_vec3(
+      "near", {.quantity = Quantity::kLength,
+               .doc = "acts there (deformable: at the nearest vertex); absent: through the centre of mass"});
+  event.near_body = read_near_frame(item);
+  add(item, {at_, event});
+}
+
+void EventReader::read_toggle(ObjectReader& item) {
+  ToggleEvent event;
+  const auto plain = [&](SwitchKind kind) { return [&event, kind](ObjectReader&) { event.what = kind; }; };
+  item.variant("what",
+               {{"body", "take it out of the world, or put it back",
+                 [&](ObjectReader& reader) {
+                   event.what = SwitchKind::kBody;
+                   event.body = read_body_ref(reader, "body", scene_, false, "name of a body");
+                 }},
+                {"gravity", "of the world", plain(SwitchKind::kGravity)},
+                {"contacts", "in pictures", plain(SwitchKind::kContacts)},
+                {"forces", "in pictures", plain(SwitchKind::kForces)},
+                {"wireframe", "in pictures", plain(SwitchKind::kWireframe)},
+                {"plugin", "a switch of the body's plugin",
+                 [&](ObjectReader& reader) {
+                   event.what = SwitchKind::kPlugin;
+                   event.body = read_body_ref(reader, "body", scene_, true, "name of a deformable");
+                   event.switch_name = reader.text("switch", {.doc = "see the plugin"});
+                   if (reader.describing()) {
+                     return;
+                   }
+                   const auto& names =
+                       scene_.deformables[static_cast<std::size_t>(event.body.index)].switches;
+                   if (std::find(names.begin(), names.end(), event.switch_name) == names.end()) {
+                     reader.refuse("switch", "permitted is one of " + joined(names));
+                   }
+                 }}},
+               {});
+  event.on = item.optional_boolean("on", {.doc = "absent: the other way"});
+  add(item, {at_, event});
+}
+
+void EventReader::add(ObjectReader& item, Event event) {
+  if (!item.describing()) {
+    scene_.events.push_back(std::move(event));
+    places_.push_back(item.document() + ": " + item.path());
+  }
+}
+
+void EventReader::read(ObjectReader& item) {
+  at_ = item.number("at", {.quantity = Quantity::kTime, .low = 0.0, .high = 1e6, .doc = "when"});
+  item.variant("do",
+               {{"grab", "hold a vertex where it is", [&](ObjectReader& r) { read_grab(r); }},
+                {"pin", "hold vertices where they are", [&](ObjectReader& r) { read_pin(r); }},
+                {"move", "lead a handle", [&](ObjectReader& r) { read_move(r); }},
+                {"release", "let go",
+                 [&](ObjectReader& r) {
+                   add(r, {at_, ReleaseEvent{read_handle(r)}});
+                 }},
+                {"impulse", "strike a body", [&](ObjectReader& r) { read_impulse(r); }},
+                {"toggle", "switch something on or off", [&](ObjectReader& r) { read_toggle(r); }}},
+               {});
+}
+
+void EventReader::check_order() const {
+  std::vector<std::size_t> order(scene_.events.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    order[k] = k;
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return scene_.events[a].at < scene_.events[b].at; });
+  std::map<int, int> held;  // handle -> deformable
+  std::set<std::pair<bool, int>> off;
+  for (const std::size_t k : order) {
+    const auto refuse = [&](const std::string& problem) { throw Error(places_[k] + ": " + problem); };
+    const auto name = [&](int handle) { return scene_.handles[static_cast<std::size_t>(handle)]; };
+    const auto need_held = [&](int handle) {
+      if (!held.contains(handle)) {
+        refuse(fmt::format(
+            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab or pin and "
+            "its release",
+            name(handle), to_text(scene_.events[k].at)));
+      }
+    };
+    const auto need_present = [&](BodyRef body) {
+      if (off.contains({body.deformable, body.index})) {
+        refuse(fmt::format("the body is switched off at {} s", to_text(scene_.events[k].at)));
+      }
+    };
+    const auto& action = scene_.events[k].action;
+    if (const auto* grab = std::get_if<GrabEvent>(&action)) {
+      need_present({true, grab->deformable});
+      if (!held.emplace(grab->handle, grab->deformable).second) {
+        refuse(fmt::format("handle \"{}\" already holds something; release it first", name(grab->handle)));
+      }
+    } else if (const auto* move = std::get_if<MoveEvent>(&action)) {
+      need_held(move->handle);
+    } else if (const auto* release = std::get_if<ReleaseEvent>(&action)) {
+      need_held(release->handle);
+      held.erase(release->handle);
+    } else if (const auto* impulse = std::get_if<ImpulseEvent>(&action)) {
+      need_present(impulse->body);
+    } else if (const auto* toggle = std::get_if<ToggleEvent>(&action); toggle->what == SwitchKind::kBody) {
+      const std::pair key{toggle->body.deformable, toggle->body.index};
+      if (toggle->on.value_or(off.contains(key))) {
+        off.erase(key);
+      } else {
+        off.insert(key);
+        std::erase_if(held, [&](const auto& h) { return key == std::pair{true, h.second}; });
+      }
+    }
+  }
+}
+
+BodyRef find_body(ObjectReader& item, std::string_view key, const std::string& name, const Scene& scene,
+                  bool deformables_only) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < scene.deformables.size(); ++k) {
+    if (scene.deformables[k].name == name) {
+      return {true, static_cast<int>(k)};
+    }
+    names.push_back(scene.deformables[k].name);
+  }
+  for (std::size_t k = 0; k < scene.rigid_bodies.size() && !deformables_only; ++k) {
+    if (scene.rigid_bodies[k].name == name) {
+      return {false, static_cast<int>(k)};
+    }
+    names.push_back(scene.rigid_bodies[k].name);
+  }
+  const std::string meant = nearest(name, names);
+  item.refuse(key, fmt::format("no {} of that name; {}{}", deformables_only ? "deformable" : "body",
+                               names.empty() ? "there are none" : "permitted are " + joined(names),
+                               meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+}
+
+}  // namespace
+
+BodyRef read_body_ref(ObjectReader& item, std::string_view key, const Scene& scene, bool deformables_only,
+                      const std::string& doc) {
+  const std::string name = item.text(key, {.doc = doc});
+  return item.describing() ? BodyRef{} : find_body(item, key, name, scene, deformables_only);
+}
+
+std::optional<BodyRef> read_optional_body_ref(ObjectReader& item, std::string_view key, const Scene& scene,
+                                              const std::string& doc) {
+  const std::string name = item.text(key, {.fallback = "", .doc = doc});
+  if (!item.has(key)) {
+    return std::nullopt;
+  }
+  return find_body(item, key, name, scene, false);
+}
+
+void read_events(ObjectReader& root, Scene& scene) {
+  EventReader reader(scene);
+  root.list("events", {.optional = true, .doc = "what happens when; those of one time in order of the file"},
+            [&](ObjectReader& item, int) { reader.read(item); });
+  reader.check_order();
+  std::stable_sort(scene.events.begin(), scene.events.end(),
+                   [](const Event& a, const Event& b) { return a.at < b.at; });
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene

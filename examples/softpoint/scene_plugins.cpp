@@ -1,0 +1,9 @@
+#include "scene_plugins.h"
+
+#include "scene_elastic.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+
+DeformablePlugins deformable_plugins() { return {elastic_plugin()}; }
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene
