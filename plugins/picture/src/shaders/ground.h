@@ -38,14 +38,13 @@ float line_cover(vec2 x, vec2 footprint, float half_width) {
 }
 
 void main() {
-  vec3 to_eye = normalize(-position);
   vec3 color = paint.rgb;
   vec2 grid = vec2(dot(position, axis_u.xyz) + axis_u.w, dot(position, axis_v.xyz) + axis_v.w);
   vec2 footprint = max(1.2 * (abs(dFdx(grid)) + abs(dFdy(grid))), 1e-5);
   if (paint.w > 0.0) {
     color *= 1.0 - 0.22 * line_cover(grid, footprint, 0.012) - 0.25 * line_cover(0.1 * grid, 0.1 * footprint, 0.002);
   }
-  vec3 lit = shade(color, plane.xyz, to_eye, 0.75, 0.0, shadow_factor(position, plane.xyz));
+  vec3 lit = color * diffuse_light(plane.xyz, shadow_factor(position, plane.xyz));
   float distance = length(position) / reach.y;
   float haze = 1.0 - exp2(-distance * distance);
   result = display(mix(lit, sky_horizon.rgb, haze));

@@ -9,7 +9,7 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 // The lighting shared by meshes and ground: in front of their fragment shaders.
 //
 // shadow_factor(): percentage-closer filtering (Reeves, Salesin, Cook 1987) over a disc of taps spread by the
-// golden angle (Vogel 1979), turned by a per-pixel angle. Four taps on the rim decide whether the pixel lies
+// golden angle (Vogel 1979), turned from pixel to pixel. Four taps on the rim decide whether the pixel lies
 // in a penumbra at all; only then the rest is taken. shade(): Lambert and GGX (Walter et al. 2007) under one
 // light, hemisphere light, Schlick's Fresnel sky.
 inline constexpr std::string_view kLighting = R"(
@@ -26,23 +26,31 @@ float shadow_factor(vec3 position, vec3 normal) {
   vec2 margin = min(p.xy, 1.0 - p.xy);
   bool inside = min(margin.x, margin.y) > 0.0;
   float radius = shadow_shape.x;
-  float angle = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
-  mat2 turn = mat2(cos(angle), sin(angle), -sin(angle), cos(angle)) * radius;
   float sum = 0.0;
   int rim = inside ? 4 : 0;
   for (int i = 0; i < rim; ++i) {
     vec2 tap = vec2(i < 2 ? 0.92 : -0.92, 0.0);
     tap = (i & 1) == 0 ? tap : tap.yx;
-    sum += texture(shadow_map, vec3(p.xy + turn * tap, depth));
+    sum += texture(shadow_map, vec3(p.xy + radius * tap, depth));
   }
   if (rim == 0) sum = 4.0;
   int rest = sum > 0.01 && sum < 3.99 ? 12 : 0;
+  // A direction of the pixel's own, then on by the golden angle.
+  float turn = 2.0 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 1.0;
+  vec2 direction = vec2(1.0 - turn * turn, 2.0 * turn) / (1.0 + turn * turn);
   for (int i = 0; i < rest; ++i) {
-    float a = 2.3999632 * float(i);
-    vec2 tap = sqrt((float(i) + 0.5) / 13.0) * vec2(cos(a), sin(a));
-    sum += texture(shadow_map, vec3(p.xy + turn * tap, depth));
+    vec2 tap = sqrt((float(i) + 0.5) / 13.0) * direction;
+    direction = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688) * direction;
+    sum += texture(shadow_map, vec3(p.xy + radius * tap, depth));
   }
   return sum / float(4 + rest);
+}
+
+// Sky, ground and light on a surface of normal n, as far as it scatters them evenly.
+vec3 diffuse_light(vec3 n, float visibility) {
+  float facing_up = 0.5 + 0.5 * dot(n, world_up.xyz);
+  vec3 hemisphere = mix(bounce.rgb, sky_zenith.rgb * 0.28 + sky_horizon.rgb * 0.17, facing_up);
+  return hemisphere + light_color.rgb * (visibility * max(dot(n, to_light.xyz), 0.0));
 }
 
 vec3 shade(vec3 albedo, vec3 n, vec3 to_eye, float roughness, float wetness, float visibility) {
@@ -50,8 +58,6 @@ vec3 shade(vec3 albedo, vec3 n, vec3 to_eye, float roughness, float wetness, flo
   vec3 base = albedo * (1.0 - 0.35 * wetness);
   float n_l = max(dot(n, to_light.xyz), 0.0);
   float n_v = max(dot(n, to_eye), 0.03);
-  float facing_up = 0.5 + 0.5 * dot(n, world_up.xyz);
-  vec3 hemisphere = mix(bounce.rgb, sky_zenith.rgb * 0.28 + sky_horizon.rgb * 0.17, facing_up);
   vec3 light = light_color.rgb * (visibility * n_l);
 
   vec3 h = normalize(to_light.xyz + to_eye);
@@ -62,8 +68,9 @@ vec3 shade(vec3 albedo, vec3 n, vec3 to_eye, float roughness, float wetness, flo
 
   float grazing = 1.0 - n_v;
   float fresnel = 0.04 + (0.5 + 0.4 * wetness) * (1.0 - rough) * grazing * grazing * grazing * grazing * grazing;
-  vec3 mirrored = sky(reflect(-to_eye, n)) * smoothstep(-0.3, 0.4, dot(reflect(-to_eye, n), world_up.xyz));
-  return base * (hemisphere + light) + light * highlight * (1.0 + 2.0 * wetness) +
+  vec3 away = reflect(-to_eye, n);
+  vec3 mirrored = sky(away) * smoothstep(-0.3, 0.4, dot(away, world_up.xyz));
+  return base * diffuse_light(n, visibility) + light * highlight * (1.0 + 2.0 * wetness) +
          mirrored * fresnel * (0.35 + 0.65 * wetness);
 }
 )";
