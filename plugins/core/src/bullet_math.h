@@ -38,6 +38,8 @@ struct Pose {
   Pose operator*(const Pose& child) const { return {rotation * child.rotation, to_world(child.origin)}; }
 };
 
-inline Pose from_bullet(const btTransform& t) { return {from_bullet(t.getBasis()), from_bullet(t.getOrigin())}; }
+inline Pose from_bullet(const btTransform& t) {
+  return {from_bullet(t.getBasis()), from_bullet(t.getOrigin())};
+}
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -103,6 +103,13 @@ ColliderShape build(const btCollisionShape& shape) {
       }
       break;
   }
+  s.corner_edges.resize(s.corners.size());
+  for (const ShapeEdge& edge : s.edges) {
+    for (std::size_t c = 0; c < s.corners.size() && edge.into_first != Vec3::Zero(); ++c) {
+      if (s.corners[c] == edge.a) s.corner_edges[c].push_back((edge.b - edge.a).normalized());
+      if (s.corners[c] == edge.b) s.corner_edges[c].push_back((edge.a - edge.b).normalized());
+    }
+  }
   return s;
 }
 

@@ -41,16 +41,17 @@ struct ColliderShape {
   Vec3 plane_normal = Vec3::UnitY();  // plane: normal . x = plane_offset
   double plane_offset = 0;
   const btConvexShape* convex = nullptr;
-  std::vector<ShapePlane> planes;     // convex polyhedra, without margin
+  std::vector<ShapePlane> planes;  // convex polyhedra, without margin
 
   // Corners and edges that can press into a skin, each thickened by feature_radius.
   std::vector<Vec3> corners;
+  std::vector<std::vector<Vec3>> corner_edges;  // per corner, unit directions of its edges away from it
   std::vector<ShapeEdge> edges;
   double feature_radius = 0;
 
   Vec3 bounds_min = Vec3::Zero();  // local axis-aligned bounds (unused for planes)
   Vec3 bounds_max = Vec3::Zero();
-  double thinnest = 0;             // m, smallest distance across
+  double thinnest = 0;  // m, smallest distance across
 
   SurfaceDistance distance(const Vec3& local) const;
   // Conservative: farther than `reach` from the shape for certain.

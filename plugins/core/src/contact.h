@@ -19,17 +19,20 @@ struct Contact {
   const btCollisionShape* shape = nullptr;
   ContactKind kind = ContactKind::vertex;
   int rigid_feature = -1;  // corner or edge of the shape
-  int skin_feature = -1;   // vertex or edge of the deformable; a corner slides freely over faces
+  int skin_feature = -1;   // vertex or edge of the deformable; a corner slides over faces
 
   // Geometry at the last detection, end-of-step configuration.
   int rigid = -1;  // index into RigidStates
   int count = 0;
   std::array<int, 3> points{};
   std::array<double, 3> weights{};
-  Vec3 normal = Vec3::UnitY();  // from the collider towards the deformable
-  double gap = 0;               // m beyond the margin; negative needs a push
-  Vec3 arm = Vec3::Zero();      // m, contact point at the start of the step from the collider's centre of mass
-  bool seen = false;            // found by the detection of this pass
+  Vec3 normal = Vec3::UnitY();      // from the collider towards the deformable
+  double gap = 0;                   // m beyond the margin; negative needs a push
+  Vec3 rigid_point = Vec3::Zero();  // m, on the collider's surface or feature, in its frame (centre of mass)
+  Vec3 arm = Vec3::Zero();  // m, contact point at the start of the step from the collider's centre of mass
+  int shape_index = -1;     // of the placed shape, this substep
+  bool seen = false;        // active in this pass
+  bool met = false;         // found by some detection of this substep
 
   double friction = -1;  // negative until the pair has been asked
   double restitution = 0;
@@ -41,6 +44,7 @@ struct Contact {
 
 // A collision shape placed on an object, as one detection sees it.
 struct ShapeInstance {
+  int index = -1;  // among the placed shapes
   int rigid = -1;
   const btCollisionShape* shape = nullptr;
   const ColliderShape* collider = nullptr;

@@ -8,6 +8,8 @@ namespace {
 
 // Vertices this much beyond the margin become candidates: other contacts may push them in.
 constexpr double kSlackMargins = 3.0;
+// Normals whose cosine is below this belong to different sides of a shape.
+constexpr double kSameSide = 0.7;
 // Below this depth (m) the nearest surface point at the end of the step may be on the wrong side, so the
 // path of the step is followed to the point of entry instead.
 constexpr double kTrustedDepth = 5e-3;
@@ -71,14 +73,20 @@ void ContactFinder::find_vertices(int body_index, const Deformable& body, const 
     }
     identity.skin_feature = static_cast<int>(v);
     Contact& contact = contacts.find_or_add(identity);
+    const Vec3 normal = end.rotation * surface.normal;
+    if (contact.met && contact.normal.dot(normal) < kSameSide && gap < 0.0) {
+      continue;  // the other side of an edge is nearer now: stay with the side that was entered (see refresh)
+    }
     contact.rigid = instance.rigid;
+    contact.shape_index = instance.index;
     contact.count = 1;
     contact.points = {static_cast<int>(v), 0, 0};
     contact.weights = {1.0, 0.0, 0.0};
-    contact.normal = end.rotation * surface.normal;
+    contact.normal = normal;
     contact.gap = gap;
     contact.arm = body.positions_[v] - rigid.start.origin;
-    contact.seen = true;
+    contact.rigid_point = rigid.end.to_local(body.end_positions_[v] - (gap + margin) * normal);
+    contact.seen = contact.met = true;
   }
 }
 

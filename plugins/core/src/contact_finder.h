@@ -16,8 +16,15 @@ class ContactFinder {
                      const RigidState& rigid, double margin, ContactTable& contacts);
   void find_corners(int body_index, const Deformable& body, const ShapeInstance& shape,
                     const RigidState& rigid, double margin, ContactTable& contacts);
+  // With `at_start`, edge pairs are taken as they stand at the start of the step, from where they approach.
   void find_edges(int body_index, const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
-                  double margin, ContactTable& contacts);
+                  double margin, bool at_start, ContactTable& contacts);
+
+  // A contact of an earlier pass of this substep that detection did not find again: measured anew on the
+  // same features, so that what one pass separated does not fall back in the next. False when the features
+  // have left each other.
+  bool refresh(const Deformable& body, const ShapeInstance& shape, const RigidState& rigid, double margin,
+               Contact& contact) const;
 
  private:
   struct Bounds {
@@ -33,11 +40,30 @@ class ContactFinder {
     double distance = 0;  // m, negative inside
   };
 
+  struct EdgePair {
+    double s = 0, t = 0;  // parameters on the rigid edge and the skin's edge
+    Vec3 normal = Vec3::UnitY();
+    double gap = 0;  // m, without radius and margin
+  };
+
+  bool measure_edges(const Deformable& body, const std::vector<Vec3>& points, const ShapeEdge& edge,
+                     const Pose& pose, int skin_edge, EdgePair& pair) const;
+  static void place_on_face(const Deformable& body, int face, const Vec3& weights, const RigidState& rigid,
+                            Contact& contact);
+  static bool segment_meets_front(const Deformable& body, int face, const Vec3& from, const Vec3& d,
+                                  double& time, Vec3& weights);
   bool crossed_face(const Deformable& body, const Vec3& from, const Vec3& to, SkinPoint& hit) const;
   bool nearest_face(const Deformable& body, const Vec3& p, double reach, SkinPoint& nearest) const;
-  Vec3 face_normal(const Deformable& body, int face) const;
+  Vec3 press_direction(const Deformable& body, const SkinPoint& skin, const ColliderShape& shape,
+                       std::size_t corner, const Pose& pose) const;
+  bool skin_along(const Deformable& body, const Vec3& corner, const Vec3& direction, double reach,
+                  SkinPoint& hit) const;
+  bool inside(const Deformable& body, const Vec3& p) const;
+  Vec3 face_normal(const Deformable& body, const std::vector<Vec3>& points, int face) const;
 
   std::vector<Bounds> face_bounds_;
+  std::vector<Vec3> normals_;  // of the skin at its points
+  double step_travel_ = 0;     // m, farthest any point moves over the step
   Bounds body_bounds_{Vec3::Zero(), Vec3::Zero()};
 };
 

@@ -62,7 +62,8 @@ void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const s
   }
 }
 
-// Displacement of a point of body `touched` by an impulse on touched point `local`, added to all touched points.
+// Displacement of a point of body `touched` by an impulse on touched point `local`, added to all touched
+// points.
 void ContactSolver::spread(Touched& touched, int local, const Vec3& impulse) {
   const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
   Eigen::Map<Eigen::VectorXd> displacement(touched.displacement.front().data(), n);
@@ -74,7 +75,8 @@ void ContactSolver::spread(Touched& touched, int local, const Vec3& impulse) {
   touched.impulses[at(local)] += impulse;
 }
 
-Vec3 ContactSolver::moved(const Contact& contact, const Row& row, const std::vector<Vec3> Touched::*field) const {
+Vec3 ContactSolver::moved(const Contact& contact, const Row& row,
+                          const std::vector<Vec3> Touched::*field) const {
   const std::vector<Vec3>& values = touched_[at(contact.body)].*field;
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < at(contact.count); ++k) {
@@ -83,7 +85,8 @@ Vec3 ContactSolver::moved(const Contact& contact, const Row& row, const std::vec
   return sum;
 }
 
-void ContactSolver::add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid) {
+void ContactSolver::add_impulse(const Contact& contact, const Row& row, const Vec3& impulse,
+                                RigidStates& rigid) {
   Touched& touched = touched_[at(contact.body)];
   for (std::size_t k = 0; k < at(contact.count); ++k) {
     spread(touched, row.local[k], contact.weights[k] * impulse);
@@ -115,8 +118,8 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
     row.compliance = other.movable() ? other.compliance(contact.arm, contact.arm) : Mat3(Mat3::Zero());
     for (std::size_t i = 0; i < at(contact.count); ++i) {
       for (std::size_t j = 0; j < at(contact.count); ++j) {
-        row.compliance += contact.weights[i] * contact.weights[j] *
-                          blocks.block<3, 3>(3 * row.local[i], 3 * row.local[j]);
+        row.compliance +=
+            contact.weights[i] * contact.weights[j] * blocks.block<3, 3>(3 * row.local[i], 3 * row.local[j]);
       }
     }
     row.compliance *= dt_;
@@ -125,12 +128,13 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
     row.tangent_b = n_.cross(row.tangent_a);
     row.normal_gain = 1.0 / n_.dot(row.compliance * n_);
     Eigen::Matrix2d tangent;
-    tangent << row.tangent_a.dot(row.compliance * row.tangent_a), row.tangent_a.dot(row.compliance * row.tangent_b),
-        row.tangent_b.dot(row.compliance * row.tangent_a), row.tangent_b.dot(row.compliance * row.tangent_b);
+    tangent << row.tangent_a.dot(row.compliance * row.tangent_a),
+        row.tangent_a.dot(row.compliance * row.tangent_b), row.tangent_b.dot(row.compliance * row.tangent_a),
+        row.tangent_b.dot(row.compliance * row.tangent_b);
     row.tangent_inverse = tangent.inverse();
     // The gap was measured with the positions and velocities of the last detection; count from the free end.
-    row.gap_base = contact.gap - n_.dot(moved(contact, row, &Touched::reference) -
-                                        dt_ * other.velocity_of(contact.arm));
+    row.gap_base =
+        contact.gap - n_.dot(moved(contact, row, &Touched::reference) - dt_ * other.velocity_of(contact.arm));
   }
   // Only now start from the impulses themselves: features and weights may have changed since they acted.
   for (int i = 0; i < rigid.size(); ++i) {
@@ -178,8 +182,8 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
     }
     const Row& row = rows_[c];
     const Vec3& n = contact.normal;
-    const Vec3 motion = moved(contact, row, &Touched::displacement) -
-                        dt_ * rigid[contact.rigid].velocity_of(contact.arm);
+    const Vec3 motion =
+        moved(contact, row, &Touched::displacement) - dt_ * rigid[contact.rigid].velocity_of(contact.arm);
     // Signorini: gap >= 0, push >= 0, one of them zero.
     const double gap = row.gap_base + n.dot(motion) - dt_ * contact.rebound;
     const double push = n.dot(contact.impulse);
@@ -190,14 +194,16 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
     Vec3 change = (new_push - push) * n;
     // Coulomb: no slip over the step inside the cone, friction against the slip on it.
     const Vec3 slip = row.slip_base + motion + row.compliance * change;
-    const Eigen::Vector2d old_friction(row.tangent_a.dot(contact.impulse), row.tangent_b.dot(contact.impulse));
-    Eigen::Vector2d friction =
-        old_friction - row.tangent_inverse * Eigen::Vector2d(row.tangent_a.dot(slip), row.tangent_b.dot(slip));
+    const Eigen::Vector2d old_friction(row.tangent_a.dot(contact.impulse),
+                                       row.tangent_b.dot(contact.impulse));
+    Eigen::Vector2d friction = old_friction - row.tangent_inverse * Eigen::Vector2d(row.tangent_a.dot(slip),
+                                                                                    row.tangent_b.dot(slip));
     const double limit = contact.friction * new_push, length = friction.norm();
     if (length > limit) {
       friction *= limit / length;
     }
-    change += (friction.x() - old_friction.x()) * row.tangent_a + (friction.y() - old_friction.y()) * row.tangent_b;
+    change +=
+        (friction.x() - old_friction.x()) * row.tangent_a + (friction.y() - old_friction.y()) * row.tangent_b;
     contact.impulse += change;
     add_impulse(contact, row, change, rigid);
     largest = std::max(largest, (row.compliance * change).norm());
@@ -225,6 +231,27 @@ double ContactSolver::sweep_handles(std::vector<Handle>& handles) {
   return largest;
 }
 
+void ContactSolver::move_all(std::span<Deformable* const> bodies, RigidStates& rigid) {
+  for (int i = 0; i < rigid.size(); ++i) {
+    rigid[i].integrate(dt_);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!touched_[b].points.empty()) {
+      bodies[b]->respond(touched_[b].points, touched_[b].impulses);
+    }
+  }
+}
+
+void ContactSolver::warm_start(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
+                               std::vector<Handle>& handles, SupportContacts& support, RigidStates& rigid,
+                               Profile& profile) {
+  collect_touched(bodies, contacts, handles, profile);
+  StageTimer timer(profile.seconds.solve);
+  prepare_rows(bodies, contacts, handles, rigid);
+  support.reapply(rigid);
+  move_all(bodies, rigid);
+}
+
 void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
                           std::vector<Handle>& handles, SupportContacts& support, RigidStates& rigid,
                           const ContactSettings& settings, Profile& profile) {
@@ -242,14 +269,7 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
       break;
     }
   }
-  for (int i = 0; i < rigid.size(); ++i) {
-    rigid[i].integrate(dt_);
-  }
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!touched_[b].points.empty()) {
-      bodies[b]->respond(touched_[b].points, touched_[b].impulses);
-    }
-  }
+  move_all(bodies, rigid);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -13,9 +13,9 @@ struct Handle {
   HandleId id = 0;
   int body = 0;
   int point = 0;
-  Vec3 target = Vec3::Zero();  // m
-  double max_force = 0;        // N
-  Vec3 impulse = Vec3::Zero(); // N s on the body over the substep
+  Vec3 target = Vec3::Zero();   // m
+  double max_force = 0;         // N
+  Vec3 impulse = Vec3::Zero();  // N s on the body over the substep
 };
 
 // Impulses between deformables, colliders and handles that make the end of the step free of penetration:
@@ -25,9 +25,14 @@ class ContactSolver {
  public:
   // Forgets the touched points of the last step; every body has predicted its free end positions.
   void begin_step(std::span<Deformable* const> bodies, double dt);
+  // Applies the impulses that contacts and handles bring from the last substep, without solving.
+  void warm_start(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
+                  std::vector<Handle>& handles, SupportContacts& support, RigidStates& rigid,
+                  Profile& profile);
   // Solves one pass for the contacts as detected; leaves end positions and collider velocities updated.
-  void solve(std::span<Deformable* const> bodies, std::vector<Contact>& contacts, std::vector<Handle>& handles,
-             SupportContacts& support, RigidStates& rigid, const ContactSettings& settings, Profile& profile);
+  void solve(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
+             std::vector<Handle>& handles, SupportContacts& support, RigidStates& rigid,
+             const ContactSettings& settings, Profile& profile);
 
  private:
   // Touched points of one body and their compliance.
@@ -42,12 +47,12 @@ class ContactSolver {
   // A contact ready for sweeping.
   struct Row {
     std::array<int, 3> local{};
-    Mat3 compliance;    // m per N s at the contact
+    Mat3 compliance;  // m per N s at the contact
     Vec3 tangent_a, tangent_b;
-    double normal_gain = 0;          // 1 / (n . A n)
+    double normal_gain = 0;  // 1 / (n . A n)
     Eigen::Matrix<double, 2, 2, Eigen::DontAlign> tangent_inverse;
-    double gap_base = 0;             // gap without any motion counted from the free end
-    Vec3 slip_base = Vec3::Zero();   // free motion of the contact point over the step
+    double gap_base = 0;            // gap without any motion counted from the free end
+    Vec3 slip_base = Vec3::Zero();  // free motion of the contact point over the step
   };
   struct HandleRow {
     int local = 0;
@@ -62,6 +67,7 @@ class ContactSolver {
   Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> Touched::*field) const;
   void add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid);
   void spread(Touched& touched, int local, const Vec3& impulse);
+  void move_all(std::span<Deformable* const> bodies, RigidStates& rigid);
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
   double sweep_handles(std::vector<Handle>& handles);
 

@@ -50,7 +50,8 @@ btDbvtVolume volume_of(const btSoftBody::Face& face) {
 
 }  // namespace
 
-Deformable::Deformable(std::vector<Vec3> positions, std::vector<Triangle> triangles, std::vector<double> masses)
+Deformable::Deformable(std::vector<Vec3> positions, std::vector<Triangle> triangles,
+                       std::vector<double> masses)
     : btSoftBody(&world_info_),
       positions_(std::move(positions)),
       masses_(std::move(masses)),
@@ -60,8 +61,8 @@ Deformable::Deformable(std::vector<Vec3> positions, std::vector<Triangle> triang
     throw Error("deformable: it needs at least one point and one face");
   }
   if (masses_.size() != positions_.size()) {
-    throw Error("deformable: masses has " + std::to_string(masses_.size()) + " entries, permitted is one per point, " +
-                std::to_string(positions_.size()));
+    throw Error("deformable: masses has " + std::to_string(masses_.size()) +
+                " entries, permitted is one per point, " + std::to_string(positions_.size()));
   }
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     check_positive("deformable: mass of point " + std::to_string(i), masses_[i]);
@@ -150,7 +151,8 @@ void Deformable::mirror(double dt) {
                       static_cast<btScalar>(padding));
   for (int f = 0; f < m_faces.size(); ++f) {
     Face& face = m_faces[f];
-    const btVector3 normal = btCross(face.m_n[1]->m_x - face.m_n[0]->m_x, face.m_n[2]->m_x - face.m_n[0]->m_x);
+    const btVector3 normal =
+        btCross(face.m_n[1]->m_x - face.m_n[0]->m_x, face.m_n[2]->m_x - face.m_n[0]->m_x);
     for (Node* node : face.m_n) {
       node->m_n += normal;  // area-weighted
     }
@@ -170,7 +172,8 @@ void Deformable::mirror(double dt) {
   }
   // The bounds reach over the coming step, so that whatever it meets is reported before it is met.
   const double reach = system_ != nullptr ? 2.0 * system_->settings().margin : 0.0;
-  const Vec3 g = acceleration_ + (system_ != nullptr ? from_bullet(system_->world().getGravity()) : Vec3::Zero());
+  const Vec3 g =
+      acceleration_ + (system_ != nullptr ? from_bullet(system_->world().getGravity()) : Vec3::Zero());
   const Vec3 fall = dt * dt * g;
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     const Vec3 ahead = positions_[v] + dt * velocities_[v] + fall;
@@ -204,6 +207,22 @@ void Deformable::commit(double dt) {
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     velocities_[v] = (end_positions_[v] - positions_[v]) / dt;
     positions_[v] = end_positions_[v];
+  }
+}
+
+void Deformable::skin_normals(std::vector<Vec3>& normals) const {
+  normals.assign(end_positions_.size(), Vec3::Zero());
+  for (const Triangle& t : triangles_) {
+    const auto at = [&](std::size_t k) -> const Vec3& {
+      return end_positions_[static_cast<std::size_t>(t[k])];
+    };
+    const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
+    for (const int v : t) {
+      normals[static_cast<std::size_t>(v)] += normal;
+    }
+  }
+  for (Vec3& normal : normals) {
+    normal.normalize();
   }
 }
 
@@ -270,7 +289,9 @@ double Deformable::kinetic_energy() const {
   return sum;
 }
 
-int Deformable::calculateSerializeBufferSize() const { return btCollisionObject::calculateSerializeBufferSize(); }
+int Deformable::calculateSerializeBufferSize() const {
+  return btCollisionObject::calculateSerializeBufferSize();
+}
 
 const char* Deformable::serialize(void* buffer, btSerializer* serializer) const {
   return btCollisionObject::serialize(buffer, serializer);

@@ -12,7 +12,9 @@ namespace {
 btCollisionDispatcher& dispatcher_of(btDiscreteDynamicsWorld& world) {
   auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(world.getDispatcher());
   if (dispatcher == nullptr) {
-    throw Error("DeformableSystem: the world's dispatcher is of an unknown kind; permitted is a btCollisionDispatcher");
+    throw Error(
+        "DeformableSystem: the world's dispatcher is of an unknown kind; permitted is a "
+        "btCollisionDispatcher");
   }
   return *dispatcher;
 }

@@ -42,15 +42,15 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
     const btCollisionObject* other;
   };
   // The stages of a substep, in order.
-  void open_substep(double dt);       // pairs begin anew, colliders feel the contact forces of the last substep
-  void predict(double dt);            // free motion
-  void place_colliders(double dt);    // poses, velocities and shapes of what is near
-  void solve_contacts();              // detect and solve until the end of the step is free of penetration
-  void keep_contacts(double dt);      // readable contact forces, warm start of the next substep
-  void commit(double dt);             // new positions, guard, mirror
+  void open_substep(double dt);     // pairs begin anew, colliders feel the contact forces of the last substep
+  void predict(double dt);          // free motion
+  void place_colliders(double dt);  // poses, velocities and shapes of what is near
+  void solve_contacts();            // detect and solve until the end of the step is free of penetration
+  void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
+  void commit(double dt);           // new positions, guard, mirror
 
   void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local);
-  double detect();
+  double detect(bool first);
   void prepare_new_contacts();
 
   SolverTap tap_;

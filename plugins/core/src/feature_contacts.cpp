@@ -60,9 +60,9 @@ bool nearest_on_lines(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v
 
 }  // namespace
 
-Vec3 ContactFinder::face_normal(const Deformable& body, int face) const {
+Vec3 ContactFinder::face_normal(const Deformable& body, const std::vector<Vec3>& points, int face) const {
   const Triangle& t = body.triangles_[static_cast<std::size_t>(face)];
-  const auto at = [&](int i) -> const Vec3& { return body.end_positions_[static_cast<std::size_t>(i)]; };
+  const auto at = [&](int i) -> const Vec3& { return points[static_cast<std::size_t>(i)]; };
   return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalized();
 }
 
@@ -73,6 +73,12 @@ void ContactFinder::begin_pass(const Deformable& body) {
     body_bounds_.low = body_bounds_.low.cwiseMin(p);
     body_bounds_.high = body_bounds_.high.cwiseMax(p);
   }
+  body.skin_normals(normals_);
+  step_travel_ = 0.0;
+  for (std::size_t v = 0; v < body.positions_.size(); ++v) {
+    step_travel_ = std::max(step_travel_, (body.end_positions_[v] - body.positions_[v]).squaredNorm());
+  }
+  step_travel_ = std::sqrt(step_travel_);
   for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
     const Triangle& t = body.triangles_[f];
     const auto at = [&](int k) -> const Vec3& {
@@ -82,48 +88,77 @@ void ContactFinder::begin_pass(const Deformable& body) {
   }
 }
 
+// Where the segment from, from + d enters a face from outside (Moller-Trumbore): time 0 to 1 and weights.
+bool ContactFinder::segment_meets_front(const Deformable& body, int face, const Vec3& from, const Vec3& d,
+                                        double& time, Vec3& weights) {
+  const Triangle& t = body.triangles_[static_cast<std::size_t>(face)];
+  const Vec3& a = body.end_positions_[static_cast<std::size_t>(t[0])];
+  const Vec3 e1 = body.end_positions_[static_cast<std::size_t>(t[1])] - a;
+  const Vec3 e2 = body.end_positions_[static_cast<std::size_t>(t[2])] - a;
+  const Vec3 q = d.cross(e2);
+  const double determinant = e1.dot(q);
+  if (determinant <= 0.0) {
+    return false;
+  }
+  const Vec3 s = from - a;
+  const double u = s.dot(q) / determinant;
+  const Vec3 r = s.cross(e1);
+  const double v = d.dot(r) / determinant;
+  time = e2.dot(r) / determinant;
+  weights = {1.0 - u - v, u, v};
+  return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && time >= 0.0 && time <= 1.0;
+}
+
 // First face that the segment enters from outside.
 bool ContactFinder::crossed_face(const Deformable& body, const Vec3& from, const Vec3& to,
                                  SkinPoint& hit) const {
   const Vec3 d = to - from;
-  double first = 1.0 + 1e-9;
+  double first = 2.0;
   for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
-    if (face_bounds_[f].misses(from, to, 0.0)) {
+    double time = 0;
+    Vec3 weights;
+    if (face_bounds_[f].misses(from, to, 0.0) ||
+        !segment_meets_front(body, static_cast<int>(f), from, d, time, weights) || time >= first) {
       continue;
     }
-    const Triangle& t = body.triangles_[f];
-    const Vec3& a = body.end_positions_[static_cast<std::size_t>(t[0])];
-    const Vec3 e1 = body.end_positions_[static_cast<std::size_t>(t[1])] - a;
-    const Vec3 e2 = body.end_positions_[static_cast<std::size_t>(t[2])] - a;
-    // Moller-Trumbore, front faces only.
-    const Vec3 q = d.cross(e2);
-    const double determinant = e1.dot(q);
-    if (determinant <= 0.0) {
-      continue;
-    }
-    const Vec3 s = from - a;
-    const double u = s.dot(q);
-    const Vec3 r = s.cross(e1);
-    const double v = d.dot(r);
-    const double time = e2.dot(r);
-    if (u < 0.0 || v < 0.0 || u + v > determinant || time < 0.0 || time >= first * determinant) {
-      continue;
-    }
-    first = time / determinant;
+    first = time;
     hit.face = static_cast<int>(f);
-    hit.weights = {1.0 - (u + v) / determinant, u / determinant, v / determinant};
+    hit.weights = weights;
   }
   if (hit.face < 0) {
     return false;
   }
-  hit.outward = face_normal(body, hit.face);
+  hit.outward = face_normal(body, body.end_positions_, hit.face);
   hit.distance = hit.outward.dot(to - (from + first * d));
   return true;
 }
 
-// Nearest point of the skin with its signed distance; false beyond `reach` or where a vertex is nearest
-// (vertices make contacts of their own).
-bool ContactFinder::nearest_face(const Deformable& body, const Vec3& p, double reach, SkinPoint& nearest) const {
+// Whether p lies inside the closed skin: parity of the faces above it.
+bool ContactFinder::inside(const Deformable& body, const Vec3& p) const {
+  bool odd = false;
+  for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
+    const Bounds& bounds = face_bounds_[f];
+    if (p.x() < bounds.low.x() || p.x() > bounds.high.x() || p.y() < bounds.low.y() ||
+        p.y() > bounds.high.y() || p.z() > bounds.high.z()) {
+      continue;
+    }
+    const Triangle& t = body.triangles_[f];
+    const Vec3 a = body.end_positions_[static_cast<std::size_t>(t[0])] - p;
+    const Vec3 b = body.end_positions_[static_cast<std::size_t>(t[1])] - p;
+    const Vec3 c = body.end_positions_[static_cast<std::size_t>(t[2])] - p;
+    const double wa = b.x() * c.y() - b.y() * c.x(), wb = c.x() * a.y() - c.y() * a.x(),
+                 wc = a.x() * b.y() - a.y() * b.x();
+    if ((wa > 0) == (wb > 0) && (wb > 0) == (wc > 0)) {
+      odd ^= (wa * a.z() + wb * b.z() + wc * c.z()) / (wa + wb + wc) > 0.0;
+    }
+  }
+  return odd;
+}
+
+// Nearest point of the skin with its signed distance; false beyond `reach`, or outside where a vertex is
+// nearest (vertices make contacts of their own).
+bool ContactFinder::nearest_face(const Deformable& body, const Vec3& p, double reach,
+                                 SkinPoint& nearest) const {
   double best = reach * reach;
   Vec3 at = Vec3::Zero();
   Vec3 side = Vec3::Zero();
@@ -142,7 +177,7 @@ bool ContactFinder::nearest_face(const Deformable& body, const Vec3& p, double r
     if (squared > best + kSame) {
       continue;
     }
-    const Vec3 normal = face_normal(body, static_cast<int>(f));
+    const Vec3 normal = face_normal(body, body.end_positions_, static_cast<int>(f));
     if (nearest.face >= 0 && squared > best - kSame) {
       side += normal;
       continue;
@@ -153,15 +188,62 @@ bool ContactFinder::nearest_face(const Deformable& body, const Vec3& p, double r
     at = q;
     side = normal;
   }
-  if (nearest.face < 0 || nearest.weights.maxCoeff() > 1.0 - 1e-9) {
+  if (nearest.face < 0) {
     return false;
   }
   side.normalize();
   const double length = std::sqrt(best);
   const double sign = (p - at).dot(side) < 0.0 ? -1.0 : 1.0;
+  if (sign > 0.0 && nearest.weights.maxCoeff() > 1.0 - 1e-9) {
+    return false;
+  }
   nearest.distance = sign * length;
   nearest.outward = length > 1e-9 ? Vec3(sign * (p - at) / length) : side;
   return true;
+}
+
+// The direction in which a corner presses at a point of the skin: against the smooth normal there, but within
+// the cone of directions in which the corner is the foremost point of its shape.
+Vec3 ContactFinder::press_direction(const Deformable& body, const SkinPoint& skin, const ColliderShape& shape,
+                                    std::size_t corner, const Pose& pose) const {
+  const Triangle& t = body.triangles_[static_cast<std::size_t>(skin.face)];
+  Vec3 direction = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    direction -= skin.weights[static_cast<Eigen::Index>(k)] * normals_[static_cast<std::size_t>(t[k])];
+  }
+  direction = pose.rotation.transpose() * direction;
+  for (int round = 0; round < 3; ++round) {
+    for (const Vec3& edge : shape.corner_edges[corner]) {
+      direction -= std::max(direction.dot(edge), 0.0) * edge;
+    }
+  }
+  const double length = direction.norm();
+  return length > 1e-6 ? Vec3(pose.rotation * direction / length) : Vec3(-skin.outward);
+}
+
+// Where the line through a corner along `direction` meets the skin from outside, nearest to the corner; the
+// distance is negative when the corner has passed it.
+bool ContactFinder::skin_along(const Deformable& body, const Vec3& corner, const Vec3& direction,
+                               double reach, SkinPoint& hit) const {
+  const Vec3 from = corner - reach * direction;
+  const Vec3 d = 2.0 * reach * direction;
+  double best = 1.0;  // |time - 1/2|
+  for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
+    if (face_bounds_[f].misses(from, from + d, 0.0)) {
+      continue;
+    }
+    double time = 0;
+    Vec3 weights;
+    if (!segment_meets_front(body, static_cast<int>(f), from, d, time, weights) ||
+        std::abs(time - 0.5) >= best) {
+      continue;
+    }
+    best = std::abs(time - 0.5);
+    hit.face = static_cast<int>(f);
+    hit.weights = weights;
+    hit.distance = (time - 0.5) * 2.0 * reach;
+  }
+  return hit.face >= 0;
 }
 
 void ContactFinder::find_corners(int body_index, const Deformable& body, const ShapeInstance& instance,
@@ -195,37 +277,102 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
     if (!(far_moved && crossed_face(body, from, to, skin))) {
       skin = {};
       if (!nearest_face(body, to, reach, skin)) {
-        continue;
+        skin = {};
+        if (body_bounds_.misses(to, to, 0.0) || !inside(body, to) ||
+            !nearest_face(body, to, size.norm(), skin)) {
+          continue;
+        }
       }
     }
-    const double gap = skin.distance - radius - margin;
-    if (gap > kSlackMargins * margin) {
+    if (skin.distance - radius - margin > kSlackMargins * margin) {
       continue;
     }
     identity.rigid_feature = static_cast<int>(i);
     Contact& contact = contacts.find_or_add(identity);
-    contact.rigid = instance.rigid;
-    contact.count = 3;
-    Vec3 at_start = Vec3::Zero();
-    for (std::size_t k = 0; k < 3; ++k) {
-      contact.points[k] = body.triangles_[static_cast<std::size_t>(skin.face)][k];
-      contact.weights[k] = skin.weights[static_cast<Eigen::Index>(k)];
-      at_start += contact.weights[k] * body.positions_[static_cast<std::size_t>(contact.points[k])];
+    if (contact.met) {
+      continue;  // refresh() follows it in the direction in which it began to press
     }
-    contact.normal = -skin.outward;
-    contact.gap = gap;
-    contact.arm = at_start - rigid.start.origin;
-    contact.seen = true;
+    // A round feature outside the skin presses along the shortest line; a sharp or a sunken one has no such
+    // line.
+    const bool round = shape.corner_edges[i].empty() && skin.distance > 0.0;
+    contact.normal = round ? Vec3(-skin.outward) : press_direction(body, skin, shape, i, end);
+    double distance = skin.distance;
+    if (!round) {
+      SkinPoint along;
+      const double look = 2.0 * std::abs(skin.distance) + 0.25 * size.norm();
+      if (skin_along(body, to, contact.normal, look, along)) {
+        skin = along;
+        distance = along.distance;
+      }
+    }
+    contact.rigid = instance.rigid;
+    contact.shape_index = instance.index;
+    contact.gap = distance - radius - margin;
+    place_on_face(body, skin.face, skin.weights, rigid, contact);
+    contact.seen = contact.met = true;
   }
 }
 
+void ContactFinder::place_on_face(const Deformable& body, int face, const Vec3& weights,
+                                  const RigidState& rigid, Contact& contact) {
+  contact.count = 3;
+  Vec3 at_start = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    contact.points[k] = body.triangles_[static_cast<std::size_t>(face)][k];
+    contact.weights[k] = weights[static_cast<Eigen::Index>(k)];
+    at_start += contact.weights[k] * body.positions_[static_cast<std::size_t>(contact.points[k])];
+  }
+  contact.arm = at_start - rigid.start.origin;
+}
+
+// The common normal of an edge of a shape (placed at `pose`) and an edge of the skin with its vertices at
+// `points`; false when they are nearly parallel, or when features other than the two edges are nearest: the
+// normal has to lie between the two faces on either side.
+bool ContactFinder::measure_edges(const Deformable& body, const std::vector<Vec3>& points,
+                                  const ShapeEdge& edge, const Pose& pose, int skin_edge,
+                                  EdgePair& pair) const {
+  const auto e = static_cast<std::size_t>(skin_edge);
+  const Vec3 a = pose.to_world(edge.a), u = pose.rotation * (edge.b - edge.a);
+  const Vec3& p = points[static_cast<std::size_t>(body.edges_[e][0])];
+  const Vec3 v = points[static_cast<std::size_t>(body.edges_[e][1])] - p;
+  if (!nearest_on_lines(a, u, p, v, pair.s, pair.t)) {
+    return false;
+  }
+  constexpr double kEnd = 1e-6;  // ends belong to corners and vertices
+  if (pair.s < kEnd || pair.s > 1 - kEnd || pair.t < kEnd || pair.t > 1 - kEnd) {
+    return false;
+  }
+  const Vec3 m1 = face_normal(body, points, body.edge_faces_[e][0]);
+  const Vec3 m2 = body.edge_faces_[e][1] >= 0 ? face_normal(body, points, body.edge_faces_[e][1]) : m1;
+  pair.normal = u.cross(v).normalized();
+  if (pair.normal.dot(m1 + m2) > 0.0) {
+    pair.normal = -pair.normal;  // from the collider into the skin
+  }
+  // Directions from the skin's edge into its two faces; edges_ run along the first face.
+  const Vec3 along = v.normalized();
+  if (-pair.normal.dot(m1.cross(along)) > kWedgeSlack || -pair.normal.dot(along.cross(m2)) > kWedgeSlack) {
+    return false;  // a face or a hollow edge of the skin is nearer
+  }
+  if (edge.into_first != Vec3::Zero() && (pair.normal.dot(pose.rotation * edge.into_first) > kWedgeSlack ||
+                                          pair.normal.dot(pose.rotation * edge.into_second) > kWedgeSlack)) {
+    return false;  // a face of the collider is nearer
+  }
+  pair.gap = pair.normal.dot((p + pair.t * v) - (a + pair.s * u));
+  return true;
+}
+
 void ContactFinder::find_edges(int body_index, const Deformable& body, const ShapeInstance& instance,
-                               const RigidState& rigid, double margin, ContactTable& contacts) {
+                               const RigidState& rigid, double margin, bool at_start,
+                               ContactTable& contacts) {
   const ColliderShape& shape = *instance.collider;
   const Pose end = rigid.end * instance.local;
+  const Pose start = rigid.start * instance.local;
   const double radius = shape.feature_radius;
   const double reach = radius + (1.0 + kSlackMargins) * margin;
-  const double deepest = std::min(0.05, 0.25 * shape.thinnest);
+  // Pairs that lie deeper than this without having come from outside are not what touches first.
+  const double deepest = std::min(kTrustedDepth, 0.25 * shape.thinnest);
+  // Over a step the pair may have moved as far as the colliders' bounds say.
+  const double travel = at_start ? step_travel_ + (end.origin - start.origin).norm() : 0.0;
   Contact identity;
   identity.body = body_index;
   identity.object = rigid.object;
@@ -234,58 +381,82 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
   for (std::size_t i = 0; i < shape.edges.size(); ++i) {
     const ShapeEdge& edge = shape.edges[i];
     const Vec3 a = end.to_world(edge.a), b = end.to_world(edge.b);
-    if (body_bounds_.misses(a, b, reach)) {
+    const Vec3 low = a.cwiseMin(b).array() - (reach + deepest + travel);
+    const Vec3 high = a.cwiseMax(b).array() + (reach + deepest + travel);
+    if (body_bounds_.misses(low, high, 0.0)) {
       continue;
     }
-    const Vec3 into_first = end.rotation * edge.into_first, into_second = end.rotation * edge.into_second;
-    const bool has_faces = edge.into_first != Vec3::Zero();
-    const Vec3 low = a.cwiseMin(b).array() - (reach + deepest);
-    const Vec3 high = a.cwiseMax(b).array() + (reach + deepest);
     for (std::size_t e = 0; e < body.edges_.size(); ++e) {
-      const Vec3& p = body.end_positions_[static_cast<std::size_t>(body.edges_[e][0])];
-      const Vec3& q = body.end_positions_[static_cast<std::size_t>(body.edges_[e][1])];
+      const auto v0 = static_cast<std::size_t>(body.edges_[e][0]),
+                 v1 = static_cast<std::size_t>(body.edges_[e][1]);
+      const Vec3& p = body.end_positions_[v0];
+      const Vec3& q = body.end_positions_[v1];
       if ((p.cwiseMin(q) - high).maxCoeff() > 0.0 || (low - p.cwiseMax(q)).maxCoeff() > 0.0) {
         continue;
       }
-      double s = 0, t = 0;
-      const Vec3 u = b - a, v = q - p;
-      constexpr double kEnd = 1e-6;  // ends belong to corners and vertices
-      if (!nearest_on_lines(a, u, p, v, s, t) || s < kEnd || s > 1 - kEnd || t < kEnd || t > 1 - kEnd) {
-        continue;
+      const int skin_edge = static_cast<int>(e);
+      EdgePair pair;
+      double gap = 0;
+      const bool apart =
+          at_start && measure_edges(body, body.positions_, edge, start, skin_edge, pair) && pair.gap > radius;
+      if (apart) {
+        // Follow the two points that are nearest now to the end of the step.
+        gap = pair.normal.dot(p + pair.t * (q - p) - (a + pair.s * (b - a))) - radius - margin;
+      } else {
+        if (!measure_edges(body, body.end_positions_, edge, end, skin_edge, pair)) {
+          continue;
+        }
+        gap = pair.gap - radius - margin;
+        if (gap < -deepest) {
+          continue;
+        }
       }
-      const Vec3 m1 = face_normal(body, body.edge_faces_[e][0]);
-      const Vec3 m2 = body.edge_faces_[e][1] >= 0 ? face_normal(body, body.edge_faces_[e][1]) : m1;
-      // Directions from the skin's edge into its two faces; edges_ run along the first face.
-      const Vec3 along = v.normalized();
-      const Vec3 skin_first = m1.cross(along), skin_second = along.cross(m2);
-      Vec3 normal = u.cross(v).normalized();
-      if (normal.dot(m1 + m2) > 0.0) {
-        normal = -normal;  // from the collider into the skin
-      }
-      if (-normal.dot(skin_first) > kWedgeSlack || -normal.dot(skin_second) > kWedgeSlack) {
-        continue;  // a face or a hollow edge of the skin is nearer
-      }
-      if (has_faces && (normal.dot(into_first) > kWedgeSlack || normal.dot(into_second) > kWedgeSlack)) {
-        continue;  // a face of the collider is nearer
-      }
-      const double gap = normal.dot((p + t * v) - (a + s * u)) - radius - margin;
-      if (gap > kSlackMargins * margin || gap < -deepest - radius) {
+      if (gap > kSlackMargins * margin) {
         continue;
       }
       identity.rigid_feature = static_cast<int>(i);
-      identity.skin_feature = static_cast<int>(e);
+      identity.skin_feature = skin_edge;
       Contact& contact = contacts.find_or_add(identity);
       contact.rigid = instance.rigid;
+      contact.shape_index = instance.index;
       contact.count = 2;
       contact.points = {body.edges_[e][0], body.edges_[e][1], 0};
-      contact.weights = {1.0 - t, t, 0.0};
-      contact.normal = normal;
+      contact.weights = {1.0 - pair.t, pair.t, 0.0};
+      contact.normal = pair.normal;
       contact.gap = gap;
-      contact.arm = (1.0 - t) * body.positions_[static_cast<std::size_t>(body.edges_[e][0])] +
-                    t * body.positions_[static_cast<std::size_t>(body.edges_[e][1])] - rigid.start.origin;
-      contact.seen = true;
+      contact.arm = (1.0 - pair.t) * body.positions_[v0] + pair.t * body.positions_[v1] - rigid.start.origin;
+      contact.rigid_point = rigid.end.to_local(a + pair.s * (b - a));
+      contact.seen = contact.met = true;
     }
   }
+}
+
+bool ContactFinder::refresh(const Deformable& body, const ShapeInstance& instance, const RigidState& rigid,
+                            double margin, Contact& contact) const {
+  const Pose end = rigid.end * instance.local;
+  const ColliderShape& shape = *instance.collider;
+  const auto skin_point = [&] {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
+      sum += contact.weights[k] * body.end_positions_[static_cast<std::size_t>(contact.points[k])];
+    }
+    return sum;
+  };
+  if (contact.kind == ContactKind::corner) {
+    const Vec3 corner = end.to_world(shape.corners[static_cast<std::size_t>(contact.rigid_feature)]);
+    const Vec3 size = body_bounds_.high - body_bounds_.low;
+    SkinPoint along;
+    if (!skin_along(body, corner, contact.normal, 0.5 * size.norm(), along)) {
+      return false;
+    }
+    contact.gap = along.distance - shape.feature_radius - margin;
+    place_on_face(body, along.face, along.weights, rigid, contact);
+    return true;
+  }
+  // On the plane it had: through a point of the collider, with a fixed normal.
+  const double offset = contact.kind == ContactKind::edge ? shape.feature_radius : 0.0;
+  contact.gap = contact.normal.dot(skin_point() - rigid.end.to_world(contact.rigid_point)) - offset - margin;
+  return true;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

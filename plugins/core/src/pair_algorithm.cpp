@@ -39,6 +39,13 @@ class PairAlgorithm final : public btCollisionAlgorithm {
   const btCollisionObject* other_;
 };
 
+// The application may have registered functions of its own; the dispatcher's table has no public reader.
+struct Registered : btCollisionDispatcher {
+  static btCollisionAlgorithmCreateFunc* of(btCollisionDispatcher& dispatcher, int type_a, int type_b) {
+    return (dispatcher.*(&Registered::m_doubleDispatchContactPoints))[type_a][type_b];
+  }
+};
+
 }  // namespace
 
 class PairHook::CreateFunc final : public btCollisionAlgorithmCreateFunc {
@@ -79,8 +86,7 @@ PairHook::PairHook(btCollisionDispatcher& dispatcher, PairListener& listener)
 }
 
 void PairHook::install(int type_a, int type_b) {
-  btCollisionAlgorithmCreateFunc* original =
-      dispatcher_.getCollisionConfiguration()->getCollisionAlgorithmCreateFunc(type_a, type_b);
+  btCollisionAlgorithmCreateFunc* original = Registered::of(dispatcher_, type_a, type_b);
   functions_.push_back(std::make_unique<CreateFunc>(listener_, original, type_a, type_b));
   dispatcher_.registerCollisionCreateFunc(type_a, type_b, functions_.back().get());
 }

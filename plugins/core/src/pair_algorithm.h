@@ -23,7 +23,7 @@ class PairListener {
 
 // Our own collision functions for soft shapes, in every collision configuration: stock ones would extrude
 // the triangles of planes and meshes by 6 cm, or overflow the pool of a plain configuration. Pairs that
-// involve no body of ours go to the functions the configuration had.
+// involve no body of ours go to the functions registered before.
 class PairHook {
  public:
   PairHook(btCollisionDispatcher& dispatcher, PairListener& listener);

@@ -13,14 +13,14 @@ namespace softpoint::inline SOFTPOINT_ABI {
 // where Bullet's integrator will put it.
 struct RigidState {
   const btCollisionObject* object = nullptr;
-  btRigidBody* body = nullptr;  // null when impulses do not move it (static, kinematic, other kinds)
-  Pose start, end;              // origin is the centre of mass
+  btRigidBody* body = nullptr;           // null when impulses do not move it (static, kinematic, other kinds)
+  Pose start, end;                       // origin is the centre of mass
   Vec3 velocity = Vec3::Zero();          // m/s, of the centre of mass
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
   Vec3 free_velocity = Vec3::Zero();     // the two above before our impulses
   Vec3 free_angular_velocity = Vec3::Zero();
-  Vec3 inverse_mass = Vec3::Zero();      // 1/kg per axis (Bullet's linear factor included)
-  Mat3 inverse_inertia = Mat3::Zero();   // world frame, 1/(kg m2)
+  Vec3 inverse_mass = Vec3::Zero();     // 1/kg per axis (Bullet's linear factor included)
+  Mat3 inverse_inertia = Mat3::Zero();  // world frame, 1/(kg m2)
   bool changed = false;
 
   bool movable() const { return body != nullptr; }

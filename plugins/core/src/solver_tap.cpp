@@ -13,7 +13,10 @@ struct Ownership : btDiscreteDynamicsWorld {
 }  // namespace
 
 SolverTap::SolverTap(btDiscreteDynamicsWorld& world, SolvedListener& listener)
-    : world_(world), listener_(listener), original_(world.getConstraintSolver()), world_owned_it_(Ownership::of(world)) {
+    : world_(world),
+      listener_(listener),
+      original_(world.getConstraintSolver()),
+      world_owned_it_(Ownership::of(world)) {
   if (dynamic_cast<SolverTap*>(original_) != nullptr) {
     throw Error("DeformableSystem: this world already has one; permitted is one per world");
   }

@@ -26,9 +26,10 @@ class SolverTap final : public btConstraintSolver {
   void prepareSolve(int bodies, int manifolds) override { original_->prepareSolve(bodies, manifolds); }
   btScalar solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                       int manifold_count, btTypedConstraint** constraints, int constraint_count,
-                      const btContactSolverInfo& info, btIDebugDraw* drawer, btDispatcher* dispatcher) override {
-    return original_->solveGroup(bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
-                                 drawer, dispatcher);
+                      const btContactSolverInfo& info, btIDebugDraw* drawer,
+                      btDispatcher* dispatcher) override {
+    return original_->solveGroup(bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
+                                 info, drawer, dispatcher);
   }
   void allSolved(const btContactSolverInfo& info, btIDebugDraw* drawer) override;
   void reset() override { original_->reset(); }

@@ -13,7 +13,8 @@ bool DeformableSystem::Impl::owns(const btCollisionObject* object) const {
   return std::any_of(bodies.begin(), bodies.end(), [&](const Deformable* body) { return body == object; });
 }
 
-void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) {
+void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other,
+                                        double dt) {
   open_substep(dt);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b] == deformable) {
@@ -26,7 +27,8 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
   std::erase_if(pairs_, [&](const Pair& p) {
     return p.other == other && bodies[static_cast<std::size_t>(p.body)] == deformable;
   });
-  std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == deformable && p.other == other; });
+  std::erase_if(contact_points,
+                [&](const ContactPoint& p) { return p.body == deformable && p.other == other; });
   const auto gone = [&](const Contact& c) {
     return c.object == other && bodies[static_cast<std::size_t>(c.body)] == deformable;
   };
@@ -70,7 +72,7 @@ void DeformableSystem::Impl::open_substep(double dt) {
   const double scale = last_dt_ > 0.0 ? dt / last_dt_ : 0.0;
   for (Contact& contact : contacts_.all()) {
     contact.impulse *= scale;
-    contact.seen = false;
+    contact.seen = contact.met = false;
     const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
     contact.arm = -from_bullet(contact.object->getWorldTransform().getOrigin());
     for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
@@ -97,7 +99,8 @@ void DeformableSystem::Impl::predict(double dt) {
   solver_.begin_step(bodies, dt);
 }
 
-void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local) {
+void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionShape& shape,
+                                       const Pose& local) {
   if (shape.isCompound()) {
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
@@ -110,7 +113,7 @@ void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionSha
     ++profile.counts.pairs_skipped;
     return;
   }
-  placed_.push_back({body, {rigid, &shape, &collider, local}});
+  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, &shape, &collider, local}});
 }
 
 void DeformableSystem::Impl::place_colliders(double dt) {
@@ -118,7 +121,8 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   placed_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
   for (const Pair& pair : pairs_) {
-    if (!pair.other->hasContactResponse()) {
+    if (!pair.other->hasContactResponse() ||
+        !bodies[static_cast<std::size_t>(pair.body)]->hasContactResponse()) {
       continue;
     }
     const int rigid = rigid_.find_or_add(pair.other, dt);
@@ -139,6 +143,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
       std::swap(state.velocity, state.free_velocity);
       std::swap(state.angular_velocity, state.free_angular_velocity);
       state.push(contact.impulse, contact.arm);  // what open_substep had taken
+      state.changed = true;
       std::swap(state.velocity, state.free_velocity);
       std::swap(state.angular_velocity, state.free_angular_velocity);
     }
@@ -150,7 +155,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
 }
 
 // Contacts of the end of the step as it stands; returns the worst violation of a margin (m).
-double DeformableSystem::Impl::detect() {
+double DeformableSystem::Impl::detect(bool first) {
   StageTimer timer(profile.seconds.detect);
   for (Contact& contact : contacts_.all()) {
     contact.seen = false;
@@ -173,11 +178,16 @@ double DeformableSystem::Impl::detect() {
         begun = true;
       }
       finder_.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
-      finder_.find_edges(index, body, placed.instance, rigid, settings.margin, contacts_);
+      finder_.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
     }
   }
   double worst = 0.0;
-  for (const Contact& contact : contacts_.all()) {
+  for (Contact& contact : contacts_.all()) {
+    if (!contact.seen && contact.met) {
+      const ShapeInstance& instance = placed_[static_cast<std::size_t>(contact.shape_index)].instance;
+      contact.seen = finder_.refresh(*bodies[static_cast<std::size_t>(contact.body)], instance,
+                                     rigid_[instance.rigid], settings.margin, contact);
+    }
     if (contact.seen) {
       worst = std::max(worst, -contact.gap);
     }
@@ -215,8 +225,14 @@ void DeformableSystem::Impl::solve_contacts() {
     contact.rebound = contact.restitution * contact.approach;
     contact.approach = 0.0;
   }
+  // Detection starts from where the forces of the last substep would lead: resting contacts are then found in
+  // place, and only impacts are seen to overshoot.
+  for (Contact& contact : contacts_.all()) {
+    contact.seen = true;
+  }
+  solver_.warm_start(bodies, contacts_.all(), handles, support_, rigid_, profile);
   for (int pass = 0; pass < settings.max_passes; ++pass) {
-    const double violation = detect();
+    const double violation = detect(pass == 0);
     if (pass > 0 && violation < 0.25 * settings.margin) {
       break;
     }
@@ -225,8 +241,9 @@ void DeformableSystem::Impl::solve_contacts() {
     solver_.solve(bodies, contacts_.all(), handles, support_, rigid_, settings, profile);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    profile.counts.without_contacts += std::none_of(
-        contacts_.all().begin(), contacts_.all().end(), [&](const Contact& c) { return c.body == int(b) && c.seen; });
+    profile.counts.without_contacts +=
+        std::none_of(contacts_.all().begin(), contacts_.all().end(),
+                     [&](const Contact& c) { return c.body == int(b) && c.seen; });
   }
   rigid_.write_back();
   support_.write_back();

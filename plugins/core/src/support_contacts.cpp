@@ -8,7 +8,8 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-double gain(const RigidState& a, const RigidState& b, const Vec3& arm_a, const Vec3& arm_b, const Vec3& axis) {
+double gain(const RigidState& a, const RigidState& b, const Vec3& arm_a, const Vec3& arm_b,
+            const Vec3& axis) {
   const double k = axis.dot(a.compliance(arm_a, arm_a) * axis) + axis.dot(b.compliance(arm_b, arm_b) * axis);
   return k > 0.0 ? 1.0 / k : 0.0;
 }
@@ -65,16 +66,15 @@ void SupportContacts::add(btManifoldPoint& point, int a, int b, const RigidState
   const Vec3 settled = rigid[a].velocity_of(row.arm_a) - rigid[b].velocity_of(row.arm_b);
   row.impulse = point.m_appliedImpulse;
   row.friction = point.m_combinedFriction;
-  // Where Bullet pushes, keep the speed it settled on (restitution, position correction); where it does
-  // not, allow approach until the gap closes.
+  // Approach is allowed until the gap closes. Where Bullet pushes things apart (restitution, position
+  // correction) its speed stands; what it leaves approaching, after its few iterations, does not.
   const double speed = row.normal.dot(settled);
   const double closing = -std::max(double(point.getDistance()), 0.0) / dt;
-  row.floor_speed = row.impulse > 0.0 ? speed : std::min(speed, closing);
+  row.floor_speed = row.impulse > 0.0 ? std::max(speed, closing) : closing;
   const Vec3 lateral = double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
                        double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2);
   for (std::size_t t = 0; t < 2; ++t) {
     row.tangent_gain[t] = gain(rigid[a], rigid[b], row.arm_a, row.arm_b, row.tangents[t]);
-    row.slip_speed[t] = row.tangents[t].dot(settled);
     row.friction_impulse[t] = row.tangents[t].dot(lateral);
   }
   row.bullet_impulse = row.impulse;
@@ -116,7 +116,7 @@ double SupportContacts::sweep(RigidStates& rigid, double dt) {
     largest = std::max(largest, std::abs(change) / row.gain * dt);
     const double limit = row.friction * row.impulse;
     for (std::size_t t = 0; t < 2; ++t) {
-      const double aim = row.friction_impulse[t] + (row.slip_speed[t] - speed(row.tangents[t])) * row.tangent_gain[t];
+      const double aim = row.friction_impulse[t] - speed(row.tangents[t]) * row.tangent_gain[t];
       const double friction_change = std::clamp(aim, -limit, limit) - row.friction_impulse[t];
       row.friction_impulse[t] += friction_change;
       apply(row.tangents[t], friction_change);

@@ -31,16 +31,15 @@ class SupportContacts {
     btManifoldPoint* point = nullptr;
     int a = -1, b = -1;  // RigidStates
     Vec3 arm_a, arm_b;
-    Vec3 normal;         // from b to a
+    Vec3 normal;  // from b to a
     std::array<Vec3, 2> tangents;
-    double gain = 0;                      // 1 / (n . K n)
+    double gain = 0;  // 1 / (n . K n)
     std::array<double, 2> tangent_gain{};
-    double floor_speed = 0;               // m/s, lowest permitted separation speed
-    std::array<double, 2> slip_speed{};   // m/s, slip Bullet had settled on
+    double floor_speed = 0;  // m/s, lowest permitted separation speed
     double friction = 0;
-    double impulse = 0;                   // N s, Bullet's and ours
+    double impulse = 0;  // N s, Bullet's and ours
     std::array<double, 2> friction_impulse{};
-    double bullet_impulse = 0;            // N s, Bullet's alone
+    double bullet_impulse = 0;  // N s, Bullet's alone
     std::array<double, 2> bullet_friction{};
   };
   void add(btManifoldPoint& point, int a, int b, const RigidStates& rigid, double dt);

@@ -157,8 +157,8 @@ void ElasticBody::split_motion() {
 }
 
 // A turn after which a body with this inverse inertia and spin (constant in the world) has the rotational
-// energy `wanted`, found from `turn` by Newton steps: a small turn e changes 1/2 L . I^-1 L by e . (omega x L).
-// `turn` is left alone so near to a principal axis that no small turn helps.
+// energy `wanted`, found from `turn` by Newton steps: a small turn e changes 1/2 L . I^-1 L by e . (omega x
+// L). `turn` is left alone so near to a principal axis that no small turn helps.
 void ElasticBody::correct_turn(Mat3& turn, const Mat3& inverse, double wanted) const {
   for (int i = 0; i < 4; ++i) {
     const Vec3 omega = turn * (inverse * (turn.transpose() * spin_));
@@ -172,9 +172,9 @@ void ElasticBody::correct_turn(Mat3& turn, const Mat3& inverse, double wanted) c
   }
 }
 
-// Stage 2: turn as a free rigid body does (midpoint rule, spin constant in the world, energy kept), and let the
-// shape move on in the turning frame: r^ = Q [r + h w + h^2 a], a = -omega x (omega x r) - 2 omega x w - omega' x r,
-// where the Euler term is what leaves a without torque: Q has all of the turn.
+// Stage 2: turn as a free rigid body does (midpoint rule, spin constant in the world, energy kept), and let
+// the shape move on in the turning frame: r^ = Q [r + h w + h^2 a], a = -omega x (omega x r) - 2 omega x w -
+// omega' x r, where the Euler term is what leaves a without torque: Q has all of the turn.
 void ElasticBody::predict_positions() {
   const Vec3 omega = inverse_inertia_ * spin_;
   const Mat3 half = turn_by(0.5 * dt_ * omega);
@@ -357,6 +357,14 @@ void ElasticBody::commit(double dt) {
   const Vec3 change = inverse_inertia(arms_) * (pushed_spin_ - spin);
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     velocities_[v] += change.cross(arms_[v]);
+  }
+}
+
+// Those of the rest shape, turned along: a dent does not fold them.
+void ElasticBody::skin_normals(std::vector<Vec3>& normals) const {
+  normals.resize(positions_.size());
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    normals[v] = frame_ * model_->normals[v];
   }
 }
 

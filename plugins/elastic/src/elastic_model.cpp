@@ -30,6 +30,15 @@ std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
   for (const Vec3& vertex : mesh.vertices) {
     model->rest.push_back(vertex - model->center);
   }
+  model->normals.assign(mesh.vertices.size(), Vec3::Zero());
+  for (int f = 0; f < mesh.triangle_count(); ++f) {
+    for (const int v : mesh.triangles[static_cast<std::size_t>(f)]) {
+      model->normals[static_cast<std::size_t>(v)] += triangle_area(mesh, f) * triangle_normal(mesh, f);
+    }
+  }
+  for (Vec3& normal : model->normals) {
+    normal.normalize();
+  }
   compute_response(*model, settings.time_step, model->response);
   return model;
 }

@@ -31,13 +31,13 @@ class Deformable : public btSoftBody, public Surface {
   std::span<const Triangle> faces() const override { return triangles_; }
   void apply_impulse(int face, const Vec3& weights, const Vec3& impulse) override;
 
-  std::span<const double> masses() const { return masses_; }         // kg, one per point
-  double total_mass() const { return total_mass_; }                  // kg
-  Vec3 center_of_mass() const;                                       // m
-  Vec3 momentum() const;                                             // kg m/s
-  Vec3 angular_momentum(const Vec3& about = Vec3::Zero()) const;     // kg m2/s
-  double kinetic_energy() const;                                     // J
-  virtual double elastic_energy() const = 0;                         // J
+  std::span<const double> masses() const { return masses_; }      // kg, one per point
+  double total_mass() const { return total_mass_; }               // kg
+  Vec3 center_of_mass() const;                                    // m
+  Vec3 momentum() const;                                          // kg m/s
+  Vec3 angular_momentum(const Vec3& about = Vec3::Zero()) const;  // kg m2/s
+  double kinetic_energy() const;                                  // J
+  virtual double elastic_energy() const = 0;                      // J
 
   // Extra acceleration of this body alone (m/s2), added to the world's gravity.
   void set_acceleration(const Vec3& acceleration);
@@ -68,6 +68,10 @@ class Deformable : public btSoftBody, public Surface {
   virtual void respond(std::span<const int> touched, std::span<const Vec3> impulses) = 0;
   // 4. Commit: take end_positions_ as the new state. The base does x = end, v = (end - x) / dt.
   virtual void commit(double dt);
+  // Outward unit normals of the skin at its points, as smooth as the plugin knows them, at end_positions_:
+  // the directions in which corners of colliders press. By default the area-weighted mean of the faces round
+  // a point.
+  virtual void skin_normals(std::vector<Vec3>& normals) const;
   // Called when the guard has put positions_ back and zeroed velocities_.
   virtual void restored() {}
 

@@ -13,12 +13,12 @@ namespace softpoint::inline SOFTPOINT_ABI {
 
 // How contact is solved. The defaults are the knee of cost against error at 1/60 s.
 struct ContactSettings {
-  double margin = 1e-3;       // m, gap kept between skin and collider; 1e-5 to 0.1
-  double tolerance = 1e-6;    // m, a Gauss-Seidel sweep that moves no contact by more ends the solve
-  int max_iterations = 200;   // Gauss-Seidel sweeps a pass, 1 to 10000
-  int max_passes = 4;         // detection and solution rounds a substep, 1 to 20
-  double rebound_speed = 0.2; // m/s, slower impacts do not bounce
-  bool rigid_support = true;  // solve rigid-rigid contacts of touched piles together with ours
+  double margin = 1e-3;        // m, gap kept between skin and collider; 1e-5 to 0.1
+  double tolerance = 1e-6;     // m, a Gauss-Seidel sweep that moves no contact by more ends the solve
+  int max_iterations = 200;    // Gauss-Seidel sweeps a pass, 1 to 10000
+  int max_passes = 4;          // detection and solution rounds a substep, 1 to 20
+  double rebound_speed = 0.2;  // m/s, slower impacts do not bounce
+  bool rigid_support = true;   // solve rigid-rigid contacts of touched piles together with ours
 };
 // Throws Error naming the field, its value and the permitted range.
 void check(const ContactSettings& settings);
@@ -27,10 +27,10 @@ void check(const ContactSettings& settings);
 struct ContactPoint {
   const Deformable* body = nullptr;
   const btCollisionObject* other = nullptr;
-  Vec3 point = Vec3::Zero();    // m, world, on the skin
-  Vec3 normal = Vec3::Zero();   // from the collider towards the body
-  Vec3 force = Vec3::Zero();    // N on the body, mean over the substep; the collider feels its opposite
-  double gap = 0;               // m, negative in penetration
+  Vec3 point = Vec3::Zero();   // m, world, on the skin
+  Vec3 normal = Vec3::Zero();  // from the collider towards the body
+  Vec3 force = Vec3::Zero();   // N on the body, mean over the substep; the collider feels its opposite
+  double gap = 0;              // m, negative in penetration
 };
 
 // A point of a deformable met by a ray.

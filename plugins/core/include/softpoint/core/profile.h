@@ -28,15 +28,15 @@ struct Profile {
     int contacts = 0;          // contact points handed to the solver in the last pass
     int support_points = 0;    // rigid-rigid contact points re-solved together with ours
     int handles = 0;
-    int passes = 0;            // detection and solution rounds
-    int iterations = 0;        // Gauss-Seidel sweeps over all passes
-    double residual = 0;       // m, last change of a contact point in the last sweep
+    int passes = 0;       // detection and solution rounds
+    int iterations = 0;   // Gauss-Seidel sweeps over all passes
+    double residual = 0;  // m, last change of a contact point in the last sweep
   };
   struct Totals {
     long long substeps = 0;
-    long long guard_fired = 0;      // times a body was put back because a number was not finite
-    long long late_substeps = 0;    // substeps solved after integration: the solver tap was not called
-    long long refactorizations = 0; // response matrices made anew because the time step changed
+    long long guard_fired = 0;       // times a body was put back because a number was not finite
+    long long late_substeps = 0;     // substeps solved after integration: the solver tap was not called
+    long long refactorizations = 0;  // response matrices made anew because the time step changed
   };
 
   Seconds seconds;

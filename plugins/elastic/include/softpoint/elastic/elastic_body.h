@@ -30,6 +30,7 @@ class ElasticBody final : public Deformable {
   void compliance(std::span<const int> touched, double* blocks) override;
   void respond(std::span<const int> touched, std::span<const Vec3> impulses) override;
   void commit(double dt) override;
+  void skin_normals(std::vector<Vec3>& normals) const override;
   void restored() override;
 
   // The stages of predict().
@@ -57,12 +58,12 @@ class ElasticBody final : public Deformable {
   Vec3 center_velocity_ = Vec3::Zero();
   Vec3 spin_ = Vec3::Zero();  // L, kg m2/s
   double energy_at_start_ = 0;
-  std::vector<Vec3> arms_;             // r
-  std::vector<Vec3> shape_velocity_;   // w
-  std::vector<Vec3> inertial_;         // apparent accelerations in the turning frame, m/s2
-  std::vector<Vec3> strain_;           // d + delta
-  std::vector<Vec3> force_;            // S (d + delta), N
-  std::vector<Vec3> free_velocities_;  // at the end of the step, without impulses
+  std::vector<Vec3> arms_;                        // r
+  std::vector<Vec3> shape_velocity_;              // w
+  std::vector<Vec3> inertial_;                    // apparent accelerations in the turning frame, m/s2
+  std::vector<Vec3> strain_;                      // d + delta
+  std::vector<Vec3> force_;                       // S (d + delta), N
+  std::vector<Vec3> free_velocities_;             // at the end of the step, without impulses
   std::vector<double> scratch_in_, scratch_out_;  // 3V
 
   // With impulses from outside.

@@ -22,15 +22,16 @@ void check(const ElasticSettings& settings);
 
 // What all elastic bodies of one shape, material and time step share. Immutable.
 struct ElasticModel {
-  TriangleMesh mesh;            // as given
+  TriangleMesh mesh;  // as given
   Material material;
-  double time_step = 0;         // s, of `response`
-  double volume = 0;            // m^3
-  std::vector<double> masses;   // kg per vertex: density x volume, shared out by surface area
-  std::vector<Vec3> rest;       // m, vertices from the centre of mass (X)
-  Vec3 center = Vec3::Zero();   // m, centre of mass in the mesh's frame
+  double time_step = 0;        // s, of `response`
+  double volume = 0;           // m^3
+  std::vector<double> masses;  // kg per vertex: density x volume, shared out by surface area
+  std::vector<Vec3> rest;      // m, vertices from the centre of mass (X)
+  std::vector<Vec3> normals;   // outward unit normals of the rest shape at the vertices
+  Vec3 center = Vec3::Zero();  // m, centre of mass in the mesh's frame
   std::shared_ptr<const BoundaryStiffness> stiffness;
-  std::vector<double> response; // (M + h^2 S)^-1, 3V x 3V, m/s per N s
+  std::vector<double> response;  // (M + h^2 S)^-1, 3V x 3V, m/s per N s
 
   int dofs() const { return 3 * mesh.vertex_count(); }
 };
