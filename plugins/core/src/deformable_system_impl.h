@@ -63,7 +63,7 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
     ShapeInstance instance;
   };
   std::vector<PlacedShape> placed_;
-  ContactFinder finder_;
+  std::vector<ContactFinder> finders_;  // one per body: each keeps bounds of its faces
   ContactTable contacts_;
   ContactSolver solver_;
   SupportContacts support_;

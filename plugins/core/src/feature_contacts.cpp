@@ -308,6 +308,8 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
     contact.rigid = instance.rigid;
     contact.shape_index = instance.index;
     contact.gap = distance - radius - margin;
+    contact.rigid_point = rigid.end.to_local(to);
+    contact.thickness = radius;
     place_on_face(body, skin.face, skin.weights, rigid, contact);
     contact.seen = contact.met = true;
   }
@@ -426,6 +428,7 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
       contact.gap = gap;
       contact.arm = (1.0 - pair.t) * body.positions_[v0] + pair.t * body.positions_[v1] - rigid.start.origin;
       contact.rigid_point = rigid.end.to_local(a + pair.s * (b - a));
+      contact.thickness = radius;
       contact.seen = contact.met = true;
     }
   }
@@ -454,8 +457,8 @@ bool ContactFinder::refresh(const Deformable& body, const ShapeInstance& instanc
     return true;
   }
   // On the plane it had: through a point of the collider, with a fixed normal.
-  const double offset = contact.kind == ContactKind::edge ? shape.feature_radius : 0.0;
-  contact.gap = contact.normal.dot(skin_point() - rigid.end.to_world(contact.rigid_point)) - offset - margin;
+  contact.gap =
+      contact.normal.dot(skin_point() - rigid.end.to_world(contact.rigid_point)) - contact.thickness - margin;
   return true;
 }
 

@@ -92,7 +92,9 @@ void DeformableSystem::Impl::predict(double dt) {
   StageTimer timer(profile.seconds.predict);
   const Vec3 gravity = from_bullet(world.getGravity());
   for (Deformable* body : bodies) {
+    const long long factored = body->refactorizations_;
     body->begin(dt, gravity);
+    profile.totals.refactorizations += body->refactorizations_ - factored;
   }
   profile.counts.deformables = static_cast<int>(bodies.size());
   profile.counts.handles = static_cast<int>(handles.size());
@@ -157,11 +159,13 @@ void DeformableSystem::Impl::place_colliders(double dt) {
 // Contacts of the end of the step as it stands; returns the worst violation of a margin (m).
 double DeformableSystem::Impl::detect(bool first) {
   StageTimer timer(profile.seconds.detect);
+  finders_.resize(bodies.size());
   for (Contact& contact : contacts_.all()) {
     contact.seen = false;
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Deformable& body = *bodies[b];
+    ContactFinder& finder = finders_[b];
     const int index = static_cast<int>(b);
     bool begun = false;
     for (const PlacedShape& placed : placed_) {
@@ -169,24 +173,25 @@ double DeformableSystem::Impl::detect(bool first) {
         continue;
       }
       const RigidState& rigid = rigid_[placed.instance.rigid];
-      finder_.find_vertices(index, body, placed.instance, rigid, settings.margin, contacts_);
+      finder.find_vertices(index, body, placed.instance, rigid, settings.margin, contacts_);
       if (placed.instance.collider->corners.empty()) {
         continue;
       }
       if (!begun) {
-        finder_.begin_pass(body);
+        finder.begin_pass(body);
         begun = true;
       }
-      finder_.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
-      finder_.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
+      finder.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
+      finder.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
     }
   }
   double worst = 0.0;
   for (Contact& contact : contacts_.all()) {
     if (!contact.seen && contact.met) {
       const ShapeInstance& instance = placed_[static_cast<std::size_t>(contact.shape_index)].instance;
-      contact.seen = finder_.refresh(*bodies[static_cast<std::size_t>(contact.body)], instance,
-                                     rigid_[instance.rigid], settings.margin, contact);
+      const auto b = static_cast<std::size_t>(contact.body);
+      contact.seen =
+          finders_[b].refresh(*bodies[b], instance, rigid_[instance.rigid], settings.margin, contact);
     }
     if (contact.seen) {
       worst = std::max(worst, -contact.gap);
@@ -253,7 +258,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
   contacts_.erase_if([](const Contact& contact) { return !contact.seen || contact.impulse == Vec3::Zero(); });
   profile.counts.contacts = static_cast<int>(contacts_.all().size());
   contact_points.clear();
-  for (const Contact& contact : contacts_.all()) {
+  for (Contact& contact : contacts_.all()) {
     const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
     ContactPoint point;
     point.body = &body;
@@ -263,7 +268,9 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
     }
     point.normal = contact.normal;
     point.force = contact.impulse / dt;
-    point.gap = contact.gap + settings.margin;
+    // What is left, not what was solved for.
+    point.gap = contact.normal.dot(point.point - rigid_[contact.rigid].end.to_world(contact.rigid_point)) -
+                contact.thickness;
     contact_points.push_back(point);
   }
 }
@@ -272,10 +279,9 @@ void DeformableSystem::Impl::commit(double dt) {
   {
     StageTimer timer(profile.seconds.commit);
     for (Deformable* body : bodies) {
-      const long long fired = body->guard_fired(), factored = body->refactorizations_;
+      const long long fired = body->guard_fired();
       body->finish(dt);
       profile.totals.guard_fired += body->guard_fired() - fired;
-      profile.totals.refactorizations += body->refactorizations_ - factored;
     }
   }
   StageTimer timer(profile.seconds.mirror);

@@ -62,8 +62,9 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
     : Deformable(placed(*model, origin, rotation), model->mesh.triangles, model->masses),
       model_(std::move(model)) {
   frame_ = rotation;
-  for (std::vector<Vec3>* field : {&arms_, &shape_velocity_, &inertial_, &strain_, &force_, &free_velocities_,
-                                   &response_velocity_, &pushed_force_}) {
+  for (std::vector<Vec3>* field :
+       {&arms_, &end_arms_, &start_strain_, &start_force_, &shape_velocity_, &inertial_, &strain_, &force_,
+        &free_velocities_, &response_velocity_, &pushed_force_}) {
     field->assign(positions_.size(), Vec3::Zero());
   }
   scratch_in_.resize(3 * positions_.size());
@@ -154,6 +155,10 @@ void ElasticBody::split_motion() {
     internal += 0.5 * masses_[v] * shape_velocity_[v].squaredNorm();
   }
   energy_at_start_ = 0.5 * spin_.dot(omega) + internal + strain_energy_;
+  start_frame_ = frame_;
+  start_strain_energy_ = strain_energy_;
+  start_strain_ = strain_;
+  start_force_ = force_;
 }
 
 // A turn after which a body with this inverse inertia and spin (constant in the world) has the rotational
@@ -229,17 +234,16 @@ void ElasticBody::settle_free_motion() {
   // w = (r' - Q r) / h without its spin.
   Vec3 false_spin = Vec3::Zero();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    const Vec3 arm = end_positions_[v] - center;
-    shape_velocity_[v] = (arm - turn_ * arms_[v]) / dt_;
-    arms_[v] = arm;
-    false_spin += masses_[v] * arm.cross(shape_velocity_[v]);
+    end_arms_[v] = end_positions_[v] - center;
+    shape_velocity_[v] = (end_arms_[v] - turn_ * arms_[v]) / dt_;
+    false_spin += masses_[v] * end_arms_[v].cross(shape_velocity_[v]);
   }
-  const Mat3 inverse = inverse_inertia(arms_);
+  const Mat3 inverse = inverse_inertia(end_arms_);
   const Vec3 false_turn = inverse * false_spin;
   Vec3 drift = Vec3::Zero();
   double internal = 0.0;
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    shape_velocity_[v] -= false_turn.cross(arms_[v]);
+    shape_velocity_[v] -= false_turn.cross(end_arms_[v]);
     drift += masses_[v] * shape_velocity_[v];
   }
   drift /= total_mass();
@@ -250,28 +254,55 @@ void ElasticBody::settle_free_motion() {
   Vec3 omega = inverse * spin_;
   const double rigid = 0.5 * spin_.dot(omega);
   if (rigid + internal + strain_energy_ > energy_at_start_) {
-    // First the vibration gives up what is too much.
-    const double left = std::max(energy_at_start_ - rigid - strain_energy_, 0.0);
-    const double keep = internal > 0.0 ? std::sqrt(left / internal) : 0.0;
-    for (Vec3& w : shape_velocity_) {
-      w *= keep;
+    omega = give_up_energy(center, inverse, rigid, internal);
+  }
+  // Rounding in the terms would drift over many small steps: compare the sum with the spin of the start.
+  Vec3 spin = Vec3::Zero();
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    free_velocities_[v] = omega.cross(end_arms_[v]) + shape_velocity_[v];
+    spin += masses_[v] * end_arms_[v].cross(free_velocities_[v]);
+  }
+  const Vec3 rounding = inverse * (spin_ - spin);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    free_velocities_[v] += center_velocity_ + rounding.cross(end_arms_[v]);
+  }
+}
+
+// The vibration gives up what is too much; then a tumbling body is turned a little towards the attitude that
+// has the right energy; last, the shape of the start is kept for this step, which has no more energy by
+// construction. Returns the angular velocity.
+Vec3 ElasticBody::give_up_energy(const Vec3& center, const Mat3& inverse, double rigid, double internal) {
+  const double left = std::max(energy_at_start_ - rigid - strain_energy_, 0.0);
+  const double keep = internal > 0.0 ? std::sqrt(left / internal) : 0.0;
+  for (Vec3& w : shape_velocity_) {
+    w *= keep;
+  }
+  if (rigid + strain_energy_ <= energy_at_start_) {
+    return inverse * spin_;
+  }
+  Mat3 q = Mat3::Identity();
+  correct_turn(q, inverse, (1.0 - 1e-15) * energy_at_start_ - strain_energy_);
+  Vec3 omega = q * (inverse * (q.transpose() * spin_));
+  constexpr double kRounding = 1e-13;
+  if (0.5 * spin_.dot(omega) + strain_energy_ <= (1.0 + kRounding) * energy_at_start_) {
+    for (std::size_t v = 0; v < positions_.size(); ++v) {
+      end_arms_[v] = q * end_arms_[v];
+      shape_velocity_[v] = q * shape_velocity_[v];
+      end_positions_[v] = center + end_arms_[v];
     }
-    // Then a tumbling body is turned a little towards the attitude that has the right energy.
-    if (rigid + strain_energy_ > energy_at_start_) {
-      Mat3 q = Mat3::Identity();
-      correct_turn(q, inverse, (1.0 - 1e-15) * energy_at_start_ - strain_energy_);
-      for (std::size_t v = 0; v < positions_.size(); ++v) {
-        arms_[v] = q * arms_[v];
-        shape_velocity_[v] = q * shape_velocity_[v];
-        end_positions_[v] = center + arms_[v];
-      }
-      frame_ = q * frame_;
-      omega = q * (inverse * (q.transpose() * spin_));
-    }
+    frame_ = q * frame_;
+    return omega;
   }
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    free_velocities_[v] = center_velocity_ + omega.cross(arms_[v]) + shape_velocity_[v];
+    end_arms_[v] = turn_ * arms_[v];
+    shape_velocity_[v].setZero();
+    end_positions_[v] = center + end_arms_[v];
   }
+  strain_ = start_strain_;
+  force_ = start_force_;
+  frame_ = turn_ * start_frame_;
+  strain_energy_ = start_strain_energy_;
+  return turn_ * (inverse_inertia_ * (turn_.transpose() * spin_));
 }
 
 void ElasticBody::predict(double dt) {
@@ -337,6 +368,10 @@ void ElasticBody::commit(double dt) {
     return;
   }
   strain_energy_ = std::max(strain_energy_pushed_, 0.0);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    strain_[v] += dt * response_velocity_[v];
+    force_[v] = pushed_force_[v];
+  }
   // Positions are final. The impulses acted at the start of the step: give the velocities exactly the
   // momentum and spin that follow from them there.
   const Vec3 center_velocity = pushed_momentum_ / total_mass();
@@ -368,6 +403,12 @@ void ElasticBody::skin_normals(std::vector<Vec3>& normals) const {
   }
 }
 
-void ElasticBody::restored() { strain_energy_ = elastic_energy(); }
+// The strain of the state put back is that of the start of the step.
+void ElasticBody::restored() {
+  frame_ = start_frame_;
+  strain_ = start_strain_;
+  force_ = start_force_;
+  strain_energy_ = start_strain_energy_;
+}
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

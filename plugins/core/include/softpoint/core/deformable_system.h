@@ -15,8 +15,8 @@ namespace softpoint::inline SOFTPOINT_ABI {
 struct ContactSettings {
   double margin = 1e-3;        // m, gap kept between skin and collider; 1e-5 to 0.1
   double tolerance = 1e-6;     // m, a Gauss-Seidel sweep that moves no contact by more ends the solve
-  int max_iterations = 200;    // Gauss-Seidel sweeps a pass, 1 to 10000
-  int max_passes = 4;          // detection and solution rounds a substep, 1 to 20
+  int max_iterations = 250;    // Gauss-Seidel sweeps a pass, 1 to 10000
+  int max_passes = 8;          // detection and solution rounds a substep, 1 to 20
   double rebound_speed = 0.2;  // m/s, slower impacts do not bounce
   bool rigid_support = true;   // solve rigid-rigid contacts of touched piles together with ours
 };

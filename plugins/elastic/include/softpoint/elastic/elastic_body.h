@@ -41,6 +41,7 @@ class ElasticBody final : public Deformable {
   void settle_free_motion();
 
   void correct_turn(Mat3& turn, const Mat3& inverse, double wanted) const;
+  Vec3 give_up_energy(const Vec3& center, const Mat3& inverse, double rigid, double internal);
   const double* response() const;
   Mat3 inverse_inertia(const std::vector<Vec3>& arms) const;
 
@@ -58,7 +59,11 @@ class ElasticBody final : public Deformable {
   Vec3 center_velocity_ = Vec3::Zero();
   Vec3 spin_ = Vec3::Zero();  // L, kg m2/s
   double energy_at_start_ = 0;
+  Mat3 start_frame_ = Mat3::Identity();  // frame, strain and force before the step
+  double start_strain_energy_ = 0;
+  std::vector<Vec3> start_strain_, start_force_;
   std::vector<Vec3> arms_;                        // r
+  std::vector<Vec3> end_arms_;                    // r'
   std::vector<Vec3> shape_velocity_;              // w
   std::vector<Vec3> inertial_;                    // apparent accelerations in the turning frame, m/s2
   std::vector<Vec3> strain_;                      // d + delta
