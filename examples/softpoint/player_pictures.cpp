@@ -171,6 +171,12 @@ void PictureTaker::draw() {
   renderer_.finish(image_);
 }
 
+// A contact force always points into one of the two bodies: the line shows it through them.
+void PictureTaker::draw_force(const Vec3& point, const Vec3& vector, picture::Color color) {
+  renderer_.draw_arrow(point, vector, color, kArrowRadius);
+  renderer_.draw_line(point, point + vector, color, 2.5, true);
+}
+
 void PictureTaker::draw_overlays() {
   const Overlays& overlays = player_.overlays();
   const double scale = player_.scene().pictures.meters_per_newton;
@@ -179,7 +185,7 @@ void PictureTaker::draw_overlays() {
       renderer_.draw_point(contact.point, kForceColor, 2.5, true);
     }
     if (overlays.forces && contact.force.norm() > kLeastForce) {
-      renderer_.draw_arrow(contact.point, scale * contact.force, kForceColor, kArrowRadius);
+      draw_force(contact.point, scale * contact.force, kForceColor);
     }
   }
   const HandleSet& handles = player_.handles();
@@ -191,7 +197,7 @@ void PictureTaker::draw_overlays() {
       renderer_.draw_line(point, target, kHandleColor, 2.0, true);
       const Vec3 force = player_.system().handle_force(held.id);
       if (overlays.forces && force.norm() > kLeastForce) {
-        renderer_.draw_arrow(point, scale * force, kHandleColor, kArrowRadius);
+        draw_force(point, scale * force, kHandleColor);
       }
     }
   }

@@ -45,6 +45,7 @@ class PictureTaker {
   void dress();
   void draw();
   void draw_overlays();
+  void draw_force(const Vec3& point, const Vec3& vector, picture::Color color);
   picture::Camera camera() const;
   std::string caption() const;
 

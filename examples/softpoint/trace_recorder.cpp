@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "bullet_border.h"
+#include "metrics_penetration.h"
 #include "metrics_state.h"
 #include "softpoint/core/error.h"
 
@@ -35,7 +36,7 @@ TraceRecorder::TraceRecorder(Player& player) : player_(player) {
 void TraceRecorder::record() { row(); }
 
 void TraceRecorder::head() {
-  csv_ = "time,kinetic,elastic,potential,contacts";
+  csv_ = "time,kinetic,elastic,potential,contacts,vertex_depth,corner_depth";
   const Scene& scene = player_.scene();
   const auto columns = [&](const std::string& name, std::initializer_list<std::string_view> fields) {
     for (const std::string_view field : fields) {
@@ -69,6 +70,9 @@ void TraceRecorder::row() {
   put(state.elastic);
   put(state.potential);
   csv_ += fmt::format(",{}", player_.system().contacts().size());
+  const Penetration penetration = measure_penetration(player_);
+  put(penetration.vertex.depth);
+  put(penetration.corner.depth);
   for (std::size_t k = 0; k < player_.deformable_count(); ++k) {
     const Deformable& body = player_.deformable(k);
     put_vec(body.center_of_mass());
