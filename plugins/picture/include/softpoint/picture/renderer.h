@@ -18,7 +18,7 @@ struct RenderSettings {
   int samples = 4;                 // per pixel: 1 or 4
 
   bool shadows = true;
-  int shadow_resolution = 2048;    // texels a side, 64 to 8192
+  int shadow_resolution = 1024;    // texels a side, 64 to 8192
   double shadow_softness = 0.006;  // half width of the penumbra over the lit scene's extent, 0 to 0.1
 
   // Where the light comes from, seen against the camera's world up.
