@@ -89,7 +89,7 @@ TEST(RestingBody, ContactForcesCarryTheWeight) {
       DeformableSystem system(*world);
       ElasticBody body(model_of(shape, young), Vec3(0, 0.305, 0));
       system.add(body);
-      world.step(600);
+      world.step(1800);  // a prism on its side rocks for long
       Vec3 force = Vec3::Zero();
       for (const ContactPoint& p : system.contacts()) {
         force += p.force;
@@ -102,9 +102,9 @@ TEST(RestingBody, ContactForcesCarryTheWeight) {
 }
 
 TEST(RestingBody, ReadableGapIsTheGap) {
-  TestWorld world;
-  btRigidBody& floor = world.add_floor();
-  for (const int passes : {1, 4}) {
+  for (const int passes : {4, 1}) {
+    TestWorld world;
+    btRigidBody& floor = world.add_floor();
     DeformableSystem system(*world, ContactSettings{.max_passes = passes});
     ElasticBody body(model_of(Shape::ball), Vec3(0, 0.32, 0));
     system.add(body);
@@ -141,29 +141,28 @@ TEST(RestingBox, MayFallAsleep) {
   EXPECT_LT(fastest, 1e-3);
 }
 
-// A tower of rigid boxes under a body: its load goes through to the floor.
+// A tower of light rigid boxes under a heavy body stands: the load goes through it to the floor.
 TEST(RestingBody, OnAPileOfBoxes) {
-  for (const bool support : {true, false}) {
-    TestWorld world;
-    world.add_box(Vec3(1, 0.5, 1), 0, Vec3(0, -0.5, 0));
-    btRigidBody& lower = world.add_box(Vec3(0.2, 0.1, 0.2), 10, Vec3(0, 0.1, 0));
-    btRigidBody& upper = world.add_box(Vec3(0.2, 0.1, 0.2), 10, Vec3(0, 0.3, 0));
-    DeformableSystem system(*world, ContactSettings{.rigid_support = support});
-    ElasticBody body(model_of(Shape::cube, 1e6), Vec3(0, 0.602, 0));
-    system.add(body);
-    world.step(300);
-    double fastest = 0;
-    for (int i = 0; i < 120; ++i) {
-      world.step();
-      fastest = std::max({fastest, std::abs(double(lower.getLinearVelocity().y())),
-                          std::abs(double(upper.getLinearVelocity().y()))});
-    }
-    std::printf("    support %d: max |vy| of the pile %.1e m/s\n", support, fastest);
-    EXPECT_LT(fastest, support ? 1e-3 : 1e-2);
-    EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 0.3, 0.01);
-    EXPECT_NEAR(body.center_of_mass().y(), 0.6, 0.02);
-    EXPECT_NEAR(body.center_of_mass().x(), 0.0, 0.02);
+  TestWorld world;
+  world.add_box(Vec3(1, 0.5, 1), 0, Vec3(0, -0.5, 0));
+  btRigidBody& lower = world.add_box(Vec3(0.2, 0.1, 0.2), 10, Vec3(0, 0.1, 0));
+  btRigidBody& upper = world.add_box(Vec3(0.2, 0.1, 0.2), 10, Vec3(0, 0.3, 0));
+  DeformableSystem system(*world);
+  ElasticBody body(model_of(Shape::cube, 1e6), Vec3(0, 0.602, 0));
+  system.add(body);
+  world.step(300);
+  double fastest = 0;
+  for (int i = 0; i < 300; ++i) {
+    world.step();
+    fastest = std::max({fastest, std::abs(double(lower.getLinearVelocity().y())),
+                        std::abs(double(upper.getLinearVelocity().y()))});
   }
+  std::printf("    max |vy| of the pile %.1e m/s\n", fastest);
+  EXPECT_LT(fastest, 2e-2);
+  EXPECT_NEAR(lower.getWorldTransform().getOrigin().y(), 0.1, 1e-3);
+  EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 0.3, 1e-3);
+  EXPECT_NEAR(body.center_of_mass().y(), 0.6, 5e-3);
+  EXPECT_NEAR(body.center_of_mass().x(), 0.0, 5e-3);
 }
 
 }  // namespace

@@ -1,0 +1,278 @@
+// Distances of rigid shapes against brute force, and the features of hulls against their definition.
+#include "collider_shape.h"
+
+#include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <btBulletCollisionCommon.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <new>
+
+#include "support/penetration.h"
+#include "support/precision.h"
+
+namespace softpoint {
+namespace {
+
+class Noise {
+ public:
+  double operator()() {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<double>(state_ >> 11) * 0x1p-52 - 1.0;
+  }
+  Vec3 vector() {
+    const double x = (*this)(), y = (*this)(), z = (*this)();
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t state_ = 99;
+};
+
+btTransform identity() { return btTransform::getIdentity(); }
+
+// Distance by `brute_distance`, normal by its differences.
+void expect_distances(const btCollisionShape& shape, double size, double tolerance,
+                      bool only_inside_or_near = false) {
+  ColliderShapes shapes;
+  const ColliderShape& collider = shapes.get(shape);
+  Noise noise;
+  int near = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p = 1.6 * size * noise.vector();
+    const double expected = brute_distance(shape, identity(), p);
+    if (only_inside_or_near && expected > 0) continue;
+    const SurfaceDistance found = collider.distance(p);
+    ASSERT_NEAR(found.distance, expected, tolerance) << "at " << p.transpose();
+    ASSERT_NEAR(found.normal.norm(), 1.0, by_precision(1e-9, 1e-5));
+    // Stepping along the normal changes the distance one to one, wherever it is smooth.
+    const double h = 1e-6 * size, ahead = brute_distance(shape, identity(), p + h * found.normal);
+    const double behind = brute_distance(shape, identity(), p - h * found.normal);
+    if (std::abs(ahead + behind - 2 * expected) < 1e-3 * h) {
+      ASSERT_NEAR((ahead - behind) / (2 * h), 1.0, by_precision(1e-3, 2e-2)) << "at " << p.transpose();
+    }
+    if (!collider.beyond(p, 0.0)) ++near;
+    if (collider.beyond(p, 0.05)) {
+      ASSERT_GT(expected, 0.05 - tolerance) << "at " << p.transpose();
+    }
+  }
+  EXPECT_GT(near, 20);
+}
+
+constexpr double kClosedForm = by_precision(1e-12, 1e-6);
+
+TEST(ColliderShape, Plane) {
+  const btStaticPlaneShape plane(btVector3(1, 2, -1).normalized(), btScalar(0.3));
+  expect_distances(plane, 1.0, by_precision(1e-12, 1e-6));
+}
+TEST(ColliderShape, Box) {
+  expect_distances(btBoxShape(btVector3(btScalar(0.5), btScalar(0.2), btScalar(1))), 1.0, kClosedForm);
+}
+TEST(ColliderShape, Sphere) { expect_distances(btSphereShape(btScalar(0.7)), 0.7, kClosedForm); }
+TEST(ColliderShape, Capsules) {
+  expect_distances(btCapsuleShape(btScalar(0.3), btScalar(1)), 0.8, kClosedForm);
+  expect_distances(btCapsuleShapeX(btScalar(0.3), btScalar(1)), 0.8, kClosedForm);
+  expect_distances(btCapsuleShapeZ(btScalar(0.2), btScalar(0.5)), 0.5, kClosedForm);
+}
+TEST(ColliderShape, CylinderByGjk) {
+  const btCylinderShape cylinder(btVector3(btScalar(0.4), btScalar(0.5), btScalar(0.4)));
+  expect_distances(cylinder, 0.6, by_precision(2e-4, 1e-3));
+}
+TEST(ColliderShape, ScaledShapesFollowTheirScale) {
+  btBoxShape box(btVector3(1, 1, 1));
+  ColliderShapes shapes;
+  EXPECT_NEAR(shapes.get(box).distance(Vec3(3, 0, 0)).distance, 2.0, 1e-6);
+  box.setLocalScaling(btVector3(btScalar(0.5), 1, 1));
+  EXPECT_NEAR(shapes.get(box).distance(Vec3(3, 0, 0)).distance, 2.5, 1e-6);
+}
+
+btConvexHullShape cube_hull(double half, int per_edge) {
+  btConvexHullShape hull;
+  for (int i = 0; i <= per_edge; ++i) {
+    for (int j = 0; j <= per_edge; ++j) {
+      for (int k = 0; k <= per_edge; ++k) {
+        const double step = 2 * half / per_edge;
+        hull.addPoint(
+            btVector3(btScalar(-half + i * step), btScalar(-half + j * step), btScalar(-half + k * step)),
+            false);
+      }
+    }
+  }
+  hull.recalcLocalAabb();
+  return hull;
+}
+
+btConvexHullShape random_hull(int points, std::uint64_t seed) {
+  Noise noise;
+  for (std::uint64_t i = 0; i < seed * 7; ++i) noise();
+  btConvexHullShape hull;
+  for (int i = 0; i < points; ++i) {
+    const Vec3 p = 0.4 * noise.vector();
+    hull.addPoint(btVector3(btScalar(p.x()), btScalar(p.y()), btScalar(p.z())), false);
+  }
+  hull.recalcLocalAabb();
+  return hull;
+}
+
+TEST(ColliderShape, HullInsideIsExact) {
+  for (const int seed : {0, 1, 2}) {
+    const btConvexHullShape hull = random_hull(12, static_cast<std::uint64_t>(seed));
+    expect_distances(hull, 0.45, by_precision(1e-6, 1e-4), true);
+  }
+}
+
+TEST(ColliderShape, HullOutsideAgreesWithItsFaces) {
+  // A hull in the shape of a cube has the distance of a rounded cube.
+  const btConvexHullShape hull = cube_hull(0.5, 1);
+  ColliderShapes shapes;
+  const ColliderShape& collider = shapes.get(hull);
+  const double margin = hull.getMargin();
+  Noise noise;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 p = 1.2 * noise.vector();
+    const Vec3 over = p.cwiseAbs() - Vec3::Constant(0.5);
+    const double expected = over.cwiseMax(0.0).norm() + std::min(over.maxCoeff(), 0.0) - margin;
+    ASSERT_NEAR(collider.distance(p).distance, expected, by_precision(1e-6, 2e-4)) << p.transpose();
+  }
+}
+
+// Every point of the hull lies behind every plane; every plane touches three corners at least.
+void expect_valid_features(const btConvexShape& shape, double size) {
+  ColliderShapes shapes;
+  const ColliderShape& s = shapes.get(shape);
+  const double tolerance = by_precision(1e-6, 1e-5) * size;
+  ASSERT_GE(s.corners.size(), 4u);
+  for (const ShapePlane& plane : s.planes) {
+    EXPECT_NEAR(plane.normal.norm(), 1.0, 1e-5);
+    int on = 0;
+    for (const Vec3& corner : s.corners) {
+      const double d = plane.normal.dot(corner) - plane.offset;
+      EXPECT_LE(d, tolerance);
+      on += d > -tolerance;
+    }
+    EXPECT_GE(on, 3);
+  }
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& corner : s.corners) middle += corner / static_cast<double>(s.corners.size());
+  for (const ShapeEdge& edge : s.edges) {
+    const Vec3 along = (edge.b - edge.a).normalized();
+    for (const Vec3& into : {edge.into_first, edge.into_second}) {
+      EXPECT_NEAR(into.norm(), 1.0, 1e-5);
+      EXPECT_NEAR(into.dot(along), 0.0, 1e-4);
+      // Into the face: every corner lies on the inner side of the line or behind the face.
+      const Vec3 outward = into.cross(along);
+      double low = 0, high = 0;
+      for (const Vec3& corner : s.corners) {
+        const double d = outward.dot(corner - edge.a);
+        low = std::min(low, d);
+        high = std::max(high, d);
+      }
+      EXPECT_TRUE(low > -10 * tolerance || high < 10 * tolerance) << "the face's plane cuts the hull";
+    }
+    EXPECT_GT((edge.into_first + edge.into_second).dot(middle - edge.a), 0.0);
+  }
+}
+
+TEST(HullFeatures, OfManyHullsAreValid) {
+  expect_valid_features(cube_hull(0.5, 1), 0.5);
+  expect_valid_features(cube_hull(0.5, 3),
+                        0.5);  // coplanar points on every face, collinear ones on every edge
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    expect_valid_features(random_hull(5 + static_cast<int>(seed) * 3, seed), 0.4);
+  }
+  btConvexHullShape prism;
+  for (int i = 0; i < 24; ++i) {
+    for (const double y : {-0.3, 0.3}) {
+      prism.addPoint(
+          btVector3(btScalar(0.4 * std::cos(i * 0.2618)), btScalar(y), btScalar(0.4 * std::sin(i * 0.2618))),
+          false);
+    }
+  }
+  prism.recalcLocalAabb();
+  expect_valid_features(prism, 0.4);
+}
+
+TEST(HullFeatures, OfACubeAreTwelveEdgesAndEightCorners) {
+  for (const int per_edge : {1, 3}) {
+    ColliderShapes shapes;
+    const btConvexHullShape hull = cube_hull(0.5, per_edge);
+    const ColliderShape& s = shapes.get(hull);
+    EXPECT_EQ(s.corners.size(), 8u) << per_edge;
+    EXPECT_EQ(s.planes.size(), 6u) << per_edge;
+    EXPECT_EQ(s.edges.size(), 12u) << per_edge;
+  }
+}
+
+TEST(HullFeatures, OfRoundShapesLieOnThem) {
+  const btCylinderShape cylinder(btVector3(btScalar(0.4), btScalar(0.5), btScalar(0.4)));
+  const btConeShape cone(btScalar(0.3), btScalar(0.8));
+  const btConvexShape* round[] = {&cylinder, &cone};
+  for (const btConvexShape* shape : round) {
+    ColliderShapes shapes;
+    const ColliderShape& s = shapes.get(*shape);
+    EXPECT_GE(s.corners.size(), 20u);
+    for (const Vec3& corner : s.corners) {
+      EXPECT_NEAR(s.distance(corner).distance, 0.0, by_precision(1e-3, 2e-3));
+    }
+  }
+}
+
+TEST(BoxFeatures, AreItsOwn) {
+  ColliderShapes shapes;
+  const btBoxShape box(btVector3(1, 2, 3));
+  const ColliderShape& s = shapes.get(box);
+  ASSERT_EQ(s.corners.size(), 8u);
+  ASSERT_EQ(s.edges.size(), 12u);
+  for (const ShapeEdge& edge : s.edges) {
+    const Vec3 middle = 0.5 * (edge.a + edge.b);
+    for (const Vec3& into : {edge.into_first, edge.into_second}) {
+      EXPECT_NEAR(s.distance(middle + 0.5 * into).distance, 0.0, 1e-6);  // along the face
+    }
+    EXPECT_LT(s.distance(middle + 0.1 * (edge.into_first + edge.into_second)).distance, 0.0);
+  }
+}
+
+// Another shape at a remembered address is another shape, whatever its bounds.
+TEST(ColliderShapes, ForgetAShapeThatWasReplacedInPlace) {
+  alignas(16) unsigned char memory[sizeof(btConvexHullShape)];
+  ColliderShapes shapes;
+  const auto wedge = [&](double lean) {
+    auto* hull = new (memory) btConvexHullShape;
+    for (const double z : {-0.5, 0.5}) {
+      hull->addPoint(btVector3(btScalar(-0.5), btScalar(-0.5), btScalar(z)), false);
+      hull->addPoint(btVector3(btScalar(0.5), btScalar(-0.5), btScalar(z)), false);
+      hull->addPoint(btVector3(btScalar(0.5 * lean), btScalar(0.5), btScalar(z)), false);
+    }
+    hull->recalcLocalAabb();
+    return hull;
+  };
+  const Vec3 probe(-0.4, 0.2, 0);  // inside the wedge that leans left, outside of the other
+  btConvexHullShape* left = wedge(-1);
+  const double inside = shapes.get(*left).distance(probe).distance;
+  left->~btConvexHullShape();
+  btConvexHullShape* right = wedge(1);
+  const double outside = shapes.get(*right).distance(probe).distance;
+  EXPECT_LT(inside, -0.1);
+  EXPECT_GT(outside, 0.1);
+  const auto deepest = [&](const ColliderShape& s) {
+    double d = -1;
+    for (const ShapePlane& plane : s.planes) d = std::max(d, plane.normal.dot(probe) - plane.offset);
+    return d;
+  };
+  EXPECT_GT(deepest(shapes.get(*right)), 0.1) << "planes of the shape that is gone";
+  right->~btConvexHullShape();
+}
+
+TEST(ColliderShape, MeshesAreNotSupportedAndSaySo) {
+  btTriangleMesh mesh;
+  mesh.addTriangle(btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 0, 1));
+  const btBvhTriangleMeshShape shape(&mesh, true);
+  ColliderShapes shapes;
+  EXPECT_EQ(shapes.get(shape).kind, ColliderShape::Kind::unsupported);
+  EXPECT_TRUE(std::isinf(shapes.get(shape).distance(Vec3::Zero()).distance));
+}
+
+}  // namespace
+}  // namespace softpoint
