@@ -5,12 +5,14 @@
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "hull_features.h"
+#include "face_planes.h"
+#include "nearest_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -73,8 +75,6 @@ ColliderShape build(const btCollisionShape& shape) {
     case SPHERE_SHAPE_PROXYTYPE:
       s.kind = ColliderShape::Kind::sphere;
       s.radius = static_cast<const btSphereShape&>(shape).getRadius();
-      s.corners.push_back(Vec3::Zero());
-      s.feature_radius = s.radius;
       break;
     case BOX_SHAPE_PROXYTYPE:
       s.kind = ColliderShape::Kind::box;
@@ -87,25 +87,19 @@ ColliderShape build(const btCollisionShape& shape) {
       s.axis = capsule.getUpAxis();
       s.radius = capsule.getRadius();
       s.half[s.axis] = capsule.getHalfHeight();
-      s.corners = {-s.half, s.half};
-      ShapeEdge core;
-      core.a = -s.half;
-      core.b = s.half;
-      s.edges.push_back(core);
-      s.feature_radius = s.radius;
       break;
     }
     default:
       if (shape.isConvex()) {
         s.kind = ColliderShape::Kind::convex;
         s.convex = static_cast<const btConvexShape*>(&shape);
-        add_hull_features(s);
+        add_face_planes(s);
       }
       break;
   }
   s.corner_edges.resize(s.corners.size());
   for (const ShapeEdge& edge : s.edges) {
-    for (std::size_t c = 0; c < s.corners.size() && edge.into_first != Vec3::Zero(); ++c) {
+    for (std::size_t c = 0; c < s.corners.size(); ++c) {
       if (s.corners[c] == edge.a) s.corner_edges[c].push_back((edge.b - edge.a).normalized());
       if (s.corners[c] == edge.b) s.corner_edges[c].push_back((edge.a - edge.b).normalized());
     }
@@ -150,7 +144,7 @@ SurfaceDistance convex_distance(const ColliderShape& s, const Vec3& p) {
     }
   }
   if (!s.planes.empty() && nearest.distance <= 0.0) {
-    return {nearest.distance - s.feature_radius, nearest.normal};
+    return {nearest.distance - s.core_radius(), nearest.normal};
   }
   btGjkEpaSolver2::sResults result;
   const btScalar distance =
@@ -198,6 +192,42 @@ void ColliderShapes::begin_substep() {
   if (++substep_ % kMemory == 0) {
     std::erase_if(entries_, [&](const auto& item) { return substep_ - item.second.last_used > kMemory; });
   }
+}
+
+double ColliderShape::core_radius() const {
+  return kind == Kind::convex ? double(convex->getMargin()) : radius;
+}
+
+bool ColliderShape::core_distance(const Vec3& a, const Vec3& b, const Vec3& c, CoreDistance& result) const {
+  if (kind == Kind::convex) {
+    btTriangleShape triangle(to_bullet(a), to_bullet(b), to_bullet(c));
+    btGjkEpaSolver2::sResults gjk;
+    const btVector3 guess = to_bullet((a + b + c) / 3.0);
+    if (!btGjkEpaSolver2::Distance(convex, btTransform::getIdentity(), &triangle, btTransform::getIdentity(),
+                                   guess, gjk)) {
+      return false;
+    }
+    result.on_core = from_bullet(gjk.witnesses[0]);
+    result.on_triangle = from_bullet(gjk.witnesses[1]);
+  } else {
+    // The distance from a point of the core to a convex set is convex along the core.
+    double low = 0.0, high = half[axis] > 0.0 ? 1.0 : 0.0;
+    const auto on_core = [&](double t) -> Vec3 { return (2.0 * t - 1.0) * half; };
+    const auto on_triangle = [&](const Vec3& p) {
+      const Vec3 w = nearest_weights(p, a, b, c);
+      return Vec3(w[0] * a + w[1] * b + w[2] * c);
+    };
+    const auto squared = [&](double t) { return (on_core(t) - on_triangle(on_core(t))).squaredNorm(); };
+    constexpr double kGolden = 0.6180339887498949;
+    for (int i = 0; i < 30 && high > low; ++i) {
+      const double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+      (squared(left) < squared(right) ? high : low) = squared(left) < squared(right) ? right : left;
+    }
+    result.on_core = on_core(0.5 * (low + high));
+    result.on_triangle = on_triangle(result.on_core);
+  }
+  result.distance = (result.on_triangle - result.on_core).norm();
+  return result.distance > 1e-6;
 }
 
 const ColliderShape& ColliderShapes::get(const btCollisionShape& shape) {

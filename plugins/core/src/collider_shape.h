@@ -16,10 +16,10 @@ struct SurfaceDistance {
   Vec3 normal = Vec3::UnitY();
 };
 
-// An edge of a rigid shape: from a to b, with the unit directions that lead from the edge into its two
-// faces (both zero on a round shape's core segment, which has no faces).
+// An edge of a rigid shape: from a to b, with the unit directions that lead from the edge into its two faces.
 struct ShapeEdge {
-  Vec3 a, b;
+  Vec3 a = Vec3::Zero();
+  Vec3 b = Vec3::Zero();
   Vec3 into_first = Vec3::Zero();
   Vec3 into_second = Vec3::Zero();
 };
@@ -43,11 +43,10 @@ struct ColliderShape {
   const btConvexShape* convex = nullptr;
   std::vector<ShapePlane> planes;  // convex polyhedra, without margin
 
-  // Corners and edges that can press into a skin, each thickened by feature_radius.
+  // Corners and edges of a box; round shapes and other convex ones meet the skin face by face instead.
   std::vector<Vec3> corners;
   std::vector<std::vector<Vec3>> corner_edges;  // per corner, unit directions of its edges away from it
   std::vector<ShapeEdge> edges;
-  double feature_radius = 0;
 
   Vec3 bounds_min = Vec3::Zero();  // local axis-aligned bounds (unused for planes)
   Vec3 bounds_max = Vec3::Zero();
@@ -56,6 +55,16 @@ struct ColliderShape {
   SurfaceDistance distance(const Vec3& local) const;
   // Conservative: farther than `reach` from the shape for certain.
   bool beyond(const Vec3& local, double reach) const;
+  // Shortest line between the shape's core and a triangle (both in the shape's frame), for round and other
+  // convex shapes: the shape is its core thickened by core_radius(). False where the two overlap.
+  struct CoreDistance {
+    double distance = 0;  // m, from core to triangle, > 0
+    Vec3 on_core = Vec3::Zero();
+    Vec3 on_triangle = Vec3::Zero();
+  };
+  bool core_distance(const Vec3& a, const Vec3& b, const Vec3& c, CoreDistance& result) const;
+  double core_radius() const;
+  bool meets_faces() const { return kind == Kind::sphere || kind == Kind::capsule || kind == Kind::convex; }
 };
 
 // Builds and keeps ColliderShapes by address; rebuilds one whose dimensions changed and forgets those long

@@ -6,7 +6,7 @@ namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
 bool same(const Contact& a, const Contact& b) {
-  return a.body == b.body && a.object == b.object && a.shape == b.shape && a.kind == b.kind &&
+  return a.body == b.body && a.object == b.object && a.child == b.child && a.kind == b.kind &&
          a.rigid_feature == b.rigid_feature && a.skin_feature == b.skin_feature;
 }
 
@@ -14,7 +14,7 @@ std::size_t hash(const Contact& c) {
   // Addresses differ between runs, so they may choose a slot but never an order: only the position in
   // the contact list, which follows detection, decides the order of work.
   std::size_t h = std::hash<const void*>{}(c.object);
-  for (const std::size_t part : {std::hash<const void*>{}(c.shape), std::size_t(c.body), std::size_t(c.kind),
+  for (const std::size_t part : {std::size_t(c.child), std::size_t(c.body), std::size_t(c.kind),
                                  std::size_t(c.rigid_feature + 1), std::size_t(c.skin_feature + 1)}) {
     h = (h ^ part) * std::size_t{0x9E3779B97F4A7C15u};
     h ^= h >> 29;

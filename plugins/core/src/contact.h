@@ -8,18 +8,20 @@
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
-// Which features touch. Together with body, object and shape it names a contact over passes and steps.
-enum class ContactKind : std::int8_t { vertex, corner, edge };
+// Which features touch: a vertex of the skin anywhere on the shape, a corner of the shape anywhere on the
+// skin, two edges, or a face of the skin on a round shape. With body, object, child and feature indices it
+// names a contact over passes and steps.
+enum class ContactKind : std::int8_t { vertex, corner, edge, face };
 
 // One contact between a deformable (as up to three weighted points) and a rigid feature.
 struct Contact {
   // Identity.
   int body = 0;  // index into the system's bodies
   const btCollisionObject* object = nullptr;
-  const btCollisionShape* shape = nullptr;
+  int child = 0;  // of a compound, counted over all levels
   ContactKind kind = ContactKind::vertex;
   int rigid_feature = -1;  // corner or edge of the shape
-  int skin_feature = -1;   // vertex or edge of the deformable; a corner slides over faces
+  int skin_feature = -1;   // vertex, edge or face of the deformable; a corner slides over faces
 
   // Geometry at the last detection, end-of-step configuration.
   int rigid = -1;  // index into RigidStates
@@ -35,10 +37,14 @@ struct Contact {
   bool seen = false;        // active in this pass
   bool met = false;         // found by some detection of this substep
 
-  double friction = -1;  // negative until the pair has been asked
+  double friction = 0;
+  bool fresh = true;  // met for the first time in this substep
   double restitution = 0;
-  double approach = 0;  // m/s, speed of the impact that a rebound still has to answer
-  double rebound = 0;   // m/s, separation speed asked for in this step
+  double approach = 0;    // m/s, speed of the impact that a rebound still has to answer
+  double fall_speed = 0;  // m/s, what gravity adds to the approach in one step
+  bool faded = false;     // half the impulse is to be kept
+  bool unpaired = false;  // with an object that is no pair of the broadphase
+  double rebound = 0;     // m/s, separation speed asked for in this step
 
   Vec3 impulse = Vec3::Zero();  // N s on the deformable over the substep
 };
@@ -47,7 +53,7 @@ struct Contact {
 struct ShapeInstance {
   int index = -1;  // among the placed shapes
   int rigid = -1;
-  const btCollisionShape* shape = nullptr;
+  int child = 0;
   const ColliderShape* collider = nullptr;
   Pose local;  // of the shape on its object
 };

@@ -46,7 +46,7 @@ void ContactFinder::find_vertices(int body_index, const Deformable& body, const 
   Contact identity;
   identity.body = body_index;
   identity.object = rigid.object;
-  identity.shape = instance.shape;
+  identity.child = instance.child;
   identity.kind = ContactKind::vertex;
 
   for (std::size_t v = 0; v < body.positions_.size(); ++v) {

@@ -16,6 +16,8 @@ class ContactFinder {
                      const RigidState& rigid, double margin, ContactTable& contacts);
   void find_corners(int body_index, const Deformable& body, const ShapeInstance& shape,
                     const RigidState& rigid, double margin, ContactTable& contacts);
+  void find_faces(int body_index, const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
+                  double margin, bool at_start, ContactTable& contacts);
   // With `at_start`, edge pairs are taken as they stand at the start of the step, from where they approach.
   void find_edges(int body_index, const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
                   double margin, bool at_start, ContactTable& contacts);

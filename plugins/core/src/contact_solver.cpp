@@ -132,6 +132,8 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
         row.tangent_a.dot(row.compliance * row.tangent_b), row.tangent_b.dot(row.compliance * row.tangent_a),
         row.tangent_b.dot(row.compliance * row.tangent_b);
     row.tangent_inverse = tangent.inverse();
+    const double mean = 0.5 * tangent.trace();
+    row.tangent_gain = 1.0 / (mean + std::sqrt(std::max(mean * mean - tangent.determinant(), 0.0)));
     // The gap was measured with the positions and velocities of the last detection; count from the free end.
     row.gap_base =
         contact.gap - n_.dot(moved(contact, row, &Touched::reference) - dt_ * other.velocity_of(contact.arm));
@@ -193,14 +195,19 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
     }
     Vec3 change = (new_push - push) * n;
     // Coulomb: no slip over the step inside the cone, friction against the slip on it.
-    const Vec3 slip = row.slip_base + motion + row.compliance * change;
+    const Vec3 slip_vector = row.slip_base + motion + row.compliance * change;
+    const Eigen::Vector2d slip(row.tangent_a.dot(slip_vector), row.tangent_b.dot(slip_vector));
     const Eigen::Vector2d old_friction(row.tangent_a.dot(contact.impulse),
                                        row.tangent_b.dot(contact.impulse));
-    Eigen::Vector2d friction = old_friction - row.tangent_inverse * Eigen::Vector2d(row.tangent_a.dot(slip),
-                                                                                    row.tangent_b.dot(slip));
-    const double limit = contact.friction * new_push, length = friction.norm();
-    if (length > limit) {
-      friction *= limit / length;
+    const double limit = contact.friction * new_push;
+    Eigen::Vector2d friction = old_friction - row.tangent_inverse * slip;
+    if (friction.norm() > limit) {
+      // It slips: a scalar step, so that friction ends up straight against the slip.
+      friction = old_friction - row.tangent_gain * slip;
+      const double length = friction.norm();
+      if (length > limit) {
+        friction *= limit / length;
+      }
     }
     change +=
         (friction.x() - old_friction.x()) * row.tangent_a + (friction.y() - old_friction.y()) * row.tangent_b;
@@ -226,6 +233,7 @@ double ContactSolver::sweep_handles(std::vector<Handle>& handles) {
     const Vec3 change = impulse - handle.impulse;
     handle.impulse = impulse;
     spread(touched, row.local, change);
+    handle.unreached = limit > length && error.norm() > 1e-5;
     largest = std::max(largest, limit > length ? error.norm() : 0.0);
   }
   return largest;

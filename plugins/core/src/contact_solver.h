@@ -16,6 +16,7 @@ struct Handle {
   Vec3 target = Vec3::Zero();   // m
   double max_force = 0;         // N
   Vec3 impulse = Vec3::Zero();  // N s on the body over the substep
+  bool unreached = false;       // the point was not brought to the target although force is left
 };
 
 // Impulses between deformables, colliders and handles that make the end of the step free of penetration:
@@ -49,7 +50,8 @@ class ContactSolver {
     std::array<int, 3> local{};
     Mat3 compliance;  // m per N s at the contact
     Vec3 tangent_a, tangent_b;
-    double normal_gain = 0;  // 1 / (n . A n)
+    double tangent_gain = 0;  // 1 / largest eigenvalue of the tangent block
+    double normal_gain = 0;   // 1 / (n . A n)
     Eigen::Matrix<double, 2, 2, Eigen::DontAlign> tangent_inverse;
     double gap_base = 0;            // gap without any motion counted from the free end
     Vec3 slip_base = Vec3::Zero();  // free motion of the contact point over the step

@@ -40,18 +40,21 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
   struct Pair {
     int body;
     const btCollisionObject* other;
+    bool ahead;  // found by add_pairs_ahead, not by the broadphase
   };
   // The stages of a substep, in order.
   void open_substep(double dt);     // pairs begin anew, colliders feel the contact forces of the last substep
   void predict(double dt);          // free motion
   void place_colliders(double dt);  // poses, velocities and shapes of what is near
-  void solve_contacts();            // detect and solve until the end of the step is free of penetration
+  void solve_contacts(double dt);   // detect and solve until the end of the step is free of penetration
   void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
   void commit(double dt);           // new positions, guard, mirror
 
-  void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local);
+  void add_pairs_ahead();
+  void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local, int& child);
   double detect(bool first);
-  void prepare_new_contacts();
+  void prepare_contacts(double dt);
+  Vec3 gravity_on(const Deformable& body) const;  // m/s2
 
   SolverTap tap_;
   PairHook pairs_hook_;

@@ -1,8 +1,9 @@
-// Corners and edges of rigid shapes against the faces and edges of a deformable.
+// Corners and edges of boxes against the faces and edges of a deformable.
 #include <algorithm>
 #include <cmath>
 
 #include "contact_finder.h"
+#include "nearest_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -14,36 +15,6 @@ constexpr double kTrustedDepth = 5e-3;
 constexpr double kParallelSine = 0.05;
 // Slack (as a sine) in the test that a normal lies between the two faces of an edge.
 constexpr double kWedgeSlack = 0.05;
-
-// Barycentric weights of the point of triangle a, b, c nearest to p (Ericson's region walk).
-Vec3 nearest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const Vec3 bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    const double t = d1 / (d1 - d3);
-    return {1 - t, t, 0};
-  }
-  const Vec3 cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    const double t = d2 / (d2 - d6);
-    return {1 - t, 0, t};
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - t, t};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
-}
 
 // Parameters of the mutually nearest points of the lines a + s u and b + t v; false when nearly parallel.
 bool nearest_on_lines(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v, double& s, double& t) {
@@ -251,9 +222,8 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
   const ColliderShape& shape = *instance.collider;
   const Pose start = rigid.start * instance.local;
   const Pose end = rigid.end * instance.local;
-  const double radius = shape.feature_radius;
   const Vec3 size = body_bounds_.high - body_bounds_.low;
-  const double reach = radius + std::max(0.02, 0.1 * size.maxCoeff());
+  const double reach = std::max(0.02, 0.1 * size.maxCoeff());
   // Motion of the body as a whole, so that the path of a corner is seen from the body.
   Vec3 drift = Vec3::Zero();
   for (std::size_t v = 0; v < body.positions_.size(); ++v) {
@@ -264,7 +234,7 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
   Contact identity;
   identity.body = body_index;
   identity.object = rigid.object;
-  identity.shape = instance.shape;
+  identity.child = instance.child;
   identity.kind = ContactKind::corner;
   for (std::size_t i = 0; i < shape.corners.size(); ++i) {
     const Vec3 to = end.to_world(shape.corners[i]);
@@ -284,7 +254,7 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
         }
       }
     }
-    if (skin.distance - radius - margin > kSlackMargins * margin) {
+    if (skin.distance - margin > kSlackMargins * margin) {
       continue;
     }
     identity.rigid_feature = static_cast<int>(i);
@@ -292,24 +262,16 @@ void ContactFinder::find_corners(int body_index, const Deformable& body, const S
     if (contact.met) {
       continue;  // refresh() follows it in the direction in which it began to press
     }
-    // A round feature outside the skin presses along the shortest line; a sharp or a sunken one has no such
-    // line.
-    const bool round = shape.corner_edges[i].empty() && skin.distance > 0.0;
-    contact.normal = round ? Vec3(-skin.outward) : press_direction(body, skin, shape, i, end);
-    double distance = skin.distance;
-    if (!round) {
-      SkinPoint along;
-      const double look = 2.0 * std::abs(skin.distance) + 0.25 * size.norm();
-      if (skin_along(body, to, contact.normal, look, along)) {
-        skin = along;
-        distance = along.distance;
-      }
+    contact.normal = press_direction(body, skin, shape, i, end);
+    SkinPoint along;
+    const double look = 2.0 * std::abs(skin.distance) + 0.25 * size.norm();
+    if (skin_along(body, to, contact.normal, look, along)) {
+      skin = along;
     }
     contact.rigid = instance.rigid;
     contact.shape_index = instance.index;
-    contact.gap = distance - radius - margin;
+    contact.gap = skin.distance - margin;
     contact.rigid_point = rigid.end.to_local(to);
-    contact.thickness = radius;
     place_on_face(body, skin.face, skin.weights, rigid, contact);
     contact.seen = contact.met = true;
   }
@@ -355,8 +317,8 @@ bool ContactFinder::measure_edges(const Deformable& body, const std::vector<Vec3
   if (-pair.normal.dot(m1.cross(along)) > kWedgeSlack || -pair.normal.dot(along.cross(m2)) > kWedgeSlack) {
     return false;  // a face or a hollow edge of the skin is nearer
   }
-  if (edge.into_first != Vec3::Zero() && (pair.normal.dot(pose.rotation * edge.into_first) > kWedgeSlack ||
-                                          pair.normal.dot(pose.rotation * edge.into_second) > kWedgeSlack)) {
+  if (pair.normal.dot(pose.rotation * edge.into_first) > kWedgeSlack ||
+      pair.normal.dot(pose.rotation * edge.into_second) > kWedgeSlack) {
     return false;  // a face of the collider is nearer
   }
   pair.gap = pair.normal.dot((p + pair.t * v) - (a + pair.s * u));
@@ -369,8 +331,7 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
   const ColliderShape& shape = *instance.collider;
   const Pose end = rigid.end * instance.local;
   const Pose start = rigid.start * instance.local;
-  const double radius = shape.feature_radius;
-  const double reach = radius + (1.0 + kSlackMargins) * margin;
+  const double reach = (1.0 + kSlackMargins) * margin;
   // Pairs that lie deeper than this without having come from outside are not what touches first.
   const double deepest = std::min(kTrustedDepth, 0.25 * shape.thinnest);
   // Over a step the pair may have moved as far as the colliders' bounds say.
@@ -378,7 +339,7 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
   Contact identity;
   identity.body = body_index;
   identity.object = rigid.object;
-  identity.shape = instance.shape;
+  identity.child = instance.child;
   identity.kind = ContactKind::edge;
   for (std::size_t i = 0; i < shape.edges.size(); ++i) {
     const ShapeEdge& edge = shape.edges[i];
@@ -400,15 +361,15 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
       EdgePair pair;
       double gap = 0;
       const bool apart =
-          at_start && measure_edges(body, body.positions_, edge, start, skin_edge, pair) && pair.gap > radius;
+          at_start && measure_edges(body, body.positions_, edge, start, skin_edge, pair) && pair.gap > 0.0;
       if (apart) {
         // Follow the two points that are nearest now to the end of the step.
-        gap = pair.normal.dot(p + pair.t * (q - p) - (a + pair.s * (b - a))) - radius - margin;
+        gap = pair.normal.dot(p + pair.t * (q - p) - (a + pair.s * (b - a))) - margin;
       } else {
         if (!measure_edges(body, body.end_positions_, edge, end, skin_edge, pair)) {
           continue;
         }
-        gap = pair.gap - radius - margin;
+        gap = pair.gap - margin;
         if (gap < -deepest) {
           continue;
         }
@@ -428,7 +389,6 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
       contact.gap = gap;
       contact.arm = (1.0 - pair.t) * body.positions_[v0] + pair.t * body.positions_[v1] - rigid.start.origin;
       contact.rigid_point = rigid.end.to_local(a + pair.s * (b - a));
-      contact.thickness = radius;
       contact.seen = contact.met = true;
     }
   }
@@ -452,7 +412,7 @@ bool ContactFinder::refresh(const Deformable& body, const ShapeInstance& instanc
     if (!skin_along(body, corner, contact.normal, 0.5 * size.norm(), along)) {
       return false;
     }
-    contact.gap = along.distance - shape.feature_radius - margin;
+    contact.gap = along.distance - margin;
     place_on_face(body, along.face, along.weights, rigid, contact);
     return true;
   }

@@ -1,4 +1,5 @@
 // The stages of one substep. Construction, bodies and handles: deformable_system.cpp.
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <LinearMath/btIDebugDraw.h>
@@ -18,7 +19,7 @@ void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, con
   open_substep(dt);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b] == deformable) {
-      pairs_.push_back({static_cast<int>(b), other});
+      pairs_.push_back({static_cast<int>(b), other, false});
     }
   }
 }
@@ -41,7 +42,7 @@ void DeformableSystem::Impl::all_solved(double dt) {
   open_substep(dt);
   predict(dt);
   place_colliders(dt);
-  solve_contacts();
+  solve_contacts(dt);
   keep_contacts(dt);
   solved_ = true;
 }
@@ -71,8 +72,8 @@ void DeformableSystem::Impl::open_substep(double dt) {
   // that a pile under a deformable answers it now. What changes is settled after Bullet.
   const double scale = last_dt_ > 0.0 ? dt / last_dt_ : 0.0;
   for (Contact& contact : contacts_.all()) {
-    contact.impulse *= scale;
-    contact.seen = contact.met = false;
+    contact.impulse *= contact.faded ? 0.5 * scale : scale;
+    contact.seen = contact.met = contact.faded = false;
     const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
     contact.arm = -from_bullet(contact.object->getWorldTransform().getOrigin());
     for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
@@ -101,12 +102,13 @@ void DeformableSystem::Impl::predict(double dt) {
   solver_.begin_step(bodies, dt);
 }
 
-void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionShape& shape,
-                                       const Pose& local) {
+void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local,
+                                       int& child) {
   if (shape.isCompound()) {
     const auto& compound = static_cast<const btCompoundShape&>(shape);
     for (int i = 0; i < compound.getNumChildShapes(); ++i) {
-      add_shape(body, rigid, *compound.getChildShape(i), local * from_bullet(compound.getChildTransform(i)));
+      add_shape(body, rigid, *compound.getChildShape(i), local * from_bullet(compound.getChildTransform(i)),
+                child);
     }
     return;
   }
@@ -115,20 +117,82 @@ void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionSha
     ++profile.counts.pairs_skipped;
     return;
   }
-  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, &shape, &collider, local}});
+  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, child++, &collider, local}});
+}
+
+// The broadphase knew the bounds of the last step. Where handles, impulses or a longer step take a body
+// farther, ask it again, with the same filters.
+void DeformableSystem::Impl::add_pairs_ahead() {
+  struct Query final : btBroadphaseAabbCallback {
+    bool process(const btBroadphaseProxy* proxy) override {
+      const auto* object = static_cast<const btCollisionObject*>(proxy->m_clientObject);
+      btBroadphaseProxy* own = impl->bodies[static_cast<std::size_t>(body)]->getBroadphaseHandle();
+      auto* other = const_cast<btBroadphaseProxy*>(proxy);
+      btOverlapFilterCallback* filter = impl->world.getPairCache()->getOverlapFilterCallback();
+      const bool wanted = filter != nullptr
+                              ? filter->needBroadphaseCollision(own, other)
+                              : (own->m_collisionFilterGroup & other->m_collisionFilterMask) != 0 &&
+                                    (other->m_collisionFilterGroup & own->m_collisionFilterMask) != 0;
+      if (own == proxy || !wanted ||
+          !impl->world.getDispatcher()->needsCollision(impl->bodies[static_cast<std::size_t>(body)],
+                                                       object)) {
+        return true;
+      }
+      for (const Pair& pair : impl->pairs_) {
+        if (pair.body == body && pair.other == object) {
+          return true;
+        }
+      }
+      impl->pairs_.push_back({body, object, true});
+      return true;
+    }
+    Impl* impl = nullptr;
+    int body = 0;
+  } query;
+  query.impl = this;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Deformable& body = *bodies[b];
+    Vec3 low = body.end_positions_.front(), high = low;
+    const auto include = [&](const Vec3& p) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    };
+    for (const Vec3& p : body.end_positions_) {
+      include(p);
+    }
+    for (const Handle& held : handles) {
+      if (held.body == static_cast<int>(b)) {
+        include(held.target);
+      }
+    }
+    const Vec3 known_low = from_bullet(body.m_bounds[0]), known_high = from_bullet(body.m_bounds[1]);
+    if (((low - known_low).array() >= 0.0).all() && ((known_high - high).array() >= 0.0).all()) {
+      continue;
+    }
+    low = low.cwiseMin(known_low);
+    high = high.cwiseMax(known_high);
+    if (!low.allFinite() || !high.allFinite()) {
+      continue;  // the guard will see to it
+    }
+    query.body = static_cast<int>(b);
+    world.getBroadphase()->aabbTest(to_bullet(low), to_bullet(high), query);
+    ++profile.counts.swept_queries;
+  }
 }
 
 void DeformableSystem::Impl::place_colliders(double dt) {
   shapes_.begin_substep();
   placed_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
+  add_pairs_ahead();
   for (const Pair& pair : pairs_) {
     if (!pair.other->hasContactResponse() ||
         !bodies[static_cast<std::size_t>(pair.body)]->hasContactResponse()) {
       continue;
     }
     const int rigid = rigid_.find_or_add(pair.other, dt);
-    add_shape(pair.body, rigid, *pair.other->getCollisionShape(), Pose());
+    int child = 0;
+    add_shape(pair.body, rigid, *pair.other->getCollisionShape(), Pose(), child);
   }
   // Contacts whose pair is gone keep their collider for one more solve, which gives their push back.
   for (Contact& contact : contacts_.all()) {
@@ -174,15 +238,20 @@ double DeformableSystem::Impl::detect(bool first) {
       }
       const RigidState& rigid = rigid_[placed.instance.rigid];
       finder.find_vertices(index, body, placed.instance, rigid, settings.margin, contacts_);
-      if (placed.instance.collider->corners.empty()) {
-        continue;
+      const ColliderShape& shape = *placed.instance.collider;
+      if (shape.kind == ColliderShape::Kind::plane) {
+        continue;  // a plane touches vertices only
       }
       if (!begun) {
         finder.begin_pass(body);
         begun = true;
       }
-      finder.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
-      finder.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
+      if (shape.meets_faces()) {
+        finder.find_faces(index, body, placed.instance, rigid, settings.margin, first, contacts_);
+      } else {
+        finder.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
+        finder.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
+      }
     }
   }
   double worst = 0.0;
@@ -200,34 +269,44 @@ double DeformableSystem::Impl::detect(bool first) {
   return worst;
 }
 
-// Friction and restitution of contacts met for the first time, and the rebound of those that hit last time.
-void DeformableSystem::Impl::prepare_new_contacts() {
+// Friction and restitution as the two objects have them now, and the speed of impacts that just begin.
+void DeformableSystem::Impl::prepare_contacts(double dt) {
   for (Contact& contact : contacts_.all()) {
-    if (!contact.seen || contact.friction >= 0.0) {
+    if (!contact.seen) {
       continue;
     }
     const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
     contact.friction = gCalculateCombinedFrictionCallback(&body, contact.object);
     contact.restitution = gCalculateCombinedRestitutionCallback(&body, contact.object);
-    if (contact.restitution > 0.0) {
-      Vec3 velocity = -rigid_[contact.rigid].velocity_of(contact.arm);
+    if (contact.fresh && contact.restitution > 0.0) {
+      const RigidState& other = rigid_[contact.rigid];
+      Vec3 velocity = -other.velocity_of(contact.arm);
       for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
         velocity += contact.weights[k] * body.velocities()[static_cast<std::size_t>(contact.points[k])];
       }
-      const double speed = -contact.normal.dot(velocity);
+      // Gravity has already acted over the whole step; what hits is the speed before it (two falling
+      // bodies do not feel it).
+      contact.fall_speed = other.movable() ? 0.0 : std::max(-dt * contact.normal.dot(gravity_on(body)), 0.0);
+      const double speed = -contact.normal.dot(velocity) - contact.fall_speed;
       contact.approach = speed > settings.rebound_speed ? speed : 0.0;
     }
+    contact.fresh = false;
   }
 }
 
-void DeformableSystem::Impl::solve_contacts() {
+Vec3 DeformableSystem::Impl::gravity_on(const Deformable& body) const {
+  return from_bullet(world.getGravity()) + body.acceleration_;
+}
+
+void DeformableSystem::Impl::solve_contacts(double dt) {
   if (placed_.empty() && contacts_.all().empty() && handles.empty()) {
     profile.counts.without_contacts = static_cast<int>(bodies.size());
     return;
   }
   // A rebound answers the impact of the last substep: the skin has arrived at the surface by now.
   for (Contact& contact : contacts_.all()) {
-    contact.rebound = contact.restitution * contact.approach;
+    // Less the gravity of this step, which the gap it flies in this step has paid for.
+    contact.rebound = std::max(contact.restitution * contact.approach - contact.fall_speed, 0.0);
     contact.approach = 0.0;
   }
   // Detection starts from where the forces of the last substep would lead: resting contacts are then found in
@@ -241,7 +320,7 @@ void DeformableSystem::Impl::solve_contacts() {
     if (pass > 0 && violation < 0.25 * settings.margin) {
       break;
     }
-    prepare_new_contacts();
+    prepare_contacts(dt);
     ++profile.counts.passes;
     solver_.solve(bodies, contacts_.all(), handles, support_, rigid_, settings, profile);
   }
@@ -255,6 +334,26 @@ void DeformableSystem::Impl::solve_contacts() {
 }
 
 void DeformableSystem::Impl::keep_contacts(double dt) {
+  // Where a handle pulls against what cannot give way, the forces of both would grow from step to step.
+  for (Handle& held : handles) {
+    if (!held.unreached) {
+      continue;
+    }
+    held.impulse *= 0.5;
+    for (Contact& contact : contacts_.all()) {
+      contact.faded |= contact.body == held.body;
+    }
+  }
+  // Contacts with objects outside the broadphase's pairs are not kept: nobody would tell when those leave the
+  // world.
+  for (const Pair& pair : pairs_) {
+    if (pair.ahead) {
+      for (Contact& contact : contacts_.all()) {
+        contact.unpaired |= contact.body == pair.body && contact.object == pair.other;
+      }
+    }
+  }
+
   contacts_.erase_if([](const Contact& contact) { return !contact.seen || contact.impulse == Vec3::Zero(); });
   profile.counts.contacts = static_cast<int>(contacts_.all().size());
   contact_points.clear();
@@ -273,6 +372,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
                 contact.thickness;
     contact_points.push_back(point);
   }
+  contacts_.erase_if([](const Contact& contact) { return contact.unpaired; });
 }
 
 void DeformableSystem::Impl::commit(double dt) {

@@ -25,6 +25,7 @@ struct Profile {
     int without_contacts = 0;  // deformables that skipped compliance: nothing touched
     int pairs = 0;             // (deformable, collider) pairs the broadphase let through
     int pairs_skipped = 0;     // pairs whose shapes have no contact with deformables (see README)
+    int swept_queries = 0;     // bodies that move farther than the broadphase knew
     int contacts = 0;          // contact points handed to the solver in the last pass
     int support_points = 0;    // rigid-rigid contact points re-solved together with ours
     int handles = 0;

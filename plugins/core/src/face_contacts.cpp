@@ -1,0 +1,89 @@
+// Round and other convex shapes against the faces of a deformable.
+#include "contact_finder.h"
+#include "nearest_points.h"
+
+namespace softpoint::inline SOFTPOINT_ABI {
+namespace {
+
+constexpr double kSlackMargins = 3.0;
+
+}  // namespace
+
+// The skin sinks in between its vertices when it wraps round a shape, so every near face makes a contact of
+// its own, at the end of the shortest line from the shape's core. Faces that the core has already passed are
+// taken as they stand at the start of the step.
+void ContactFinder::find_faces(int body_index, const Deformable& body, const ShapeInstance& instance,
+                               const RigidState& rigid, double margin, bool at_start,
+                               ContactTable& contacts) {
+  const ColliderShape& shape = *instance.collider;
+  const Pose end = rigid.end * instance.local;
+  const Pose start = rigid.start * instance.local;
+  const double radius = shape.core_radius();
+  const double reach = (1.0 + kSlackMargins) * margin;
+  const double travel = at_start ? step_travel_ + (end.origin - start.origin).norm() : 0.0;
+  Bounds bounds;  // of the shape, in the world
+  const Vec3 middle = end.to_world(0.5 * (shape.bounds_min + shape.bounds_max));
+  const Vec3 half = end.rotation.cwiseAbs() * (0.5 * (shape.bounds_max - shape.bounds_min));
+  bounds.low = middle - half;
+  bounds.high = middle + half;
+  if (body_bounds_.misses(bounds.low, bounds.high, reach + travel)) {
+    return;
+  }
+  Contact identity;
+  identity.body = body_index;
+  identity.object = rigid.object;
+  identity.child = instance.child;
+  identity.kind = ContactKind::face;
+  for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
+    if (face_bounds_[f].misses(bounds.low, bounds.high, reach + travel)) {
+      continue;
+    }
+    const Triangle& t = body.triangles_[f];
+    const auto measure = [&](const std::vector<Vec3>& points, const Pose& pose,
+                             ColliderShape::CoreDistance& line, Vec3& weights, Vec3& normal) {
+      Vec3 local[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        local[k] = pose.to_local(points[static_cast<std::size_t>(t[k])]);
+      }
+      const Vec3 outward = (local[1] - local[0]).cross(local[2] - local[0]);
+      if (!shape.core_distance(local[0], local[1], local[2], line)) {
+        return false;
+      }
+      normal = (line.on_triangle - line.on_core) / line.distance;
+      weights = nearest_weights(line.on_triangle, local[0], local[1], local[2]);
+      // Not from behind, and not at a vertex, which makes a contact of its own.
+      return normal.dot(outward) < 0.0 && weights.maxCoeff() < 1.0 - 1e-9;
+    };
+    ColliderShape::CoreDistance line;
+    Vec3 weights, normal;
+    double gap = 0;
+    if (measure(body.end_positions_, end, line, weights, normal)) {
+      gap = line.distance - radius - margin;
+      normal = end.rotation * normal;
+    } else if (at_start && measure(body.positions_, start, line, weights, normal)) {
+      normal = start.rotation * normal;
+      Vec3 skin = Vec3::Zero();
+      for (std::size_t k = 0; k < 3; ++k) {
+        skin += weights[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+      }
+      gap = normal.dot(skin - end.to_world(line.on_core)) - radius - margin;
+    } else {
+      continue;
+    }
+    if (gap > kSlackMargins * margin) {
+      continue;
+    }
+    identity.skin_feature = static_cast<int>(f);
+    Contact& contact = contacts.find_or_add(identity);
+    contact.rigid = instance.rigid;
+    contact.shape_index = instance.index;
+    contact.normal = normal;
+    contact.gap = gap;
+    contact.rigid_point = rigid.end.to_local(end.to_world(line.on_core));
+    contact.thickness = radius;
+    place_on_face(body, static_cast<int>(f), weights, rigid, contact);
+    contact.seen = contact.met = true;
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI
