@@ -94,8 +94,7 @@ TEST(WorldPainter, DrawsEveryShapeAtItsSize) {
   btScaledBvhTriangleMeshShape scaled(&mesh, {kHalf, 1, 1});
   btUniformScalingShape half_hull(&hull, kHalf);
   const std::vector<float> heights(5 * 5, 0.0F);
-  const void* data = heights.data();
-  btHeightfieldTerrainShape field(5, 5, data, 1, -1, 1, 2, PHY_FLOAT, false);
+  btHeightfieldTerrainShape field(5, 5, heights.data(), btScalar(-1), btScalar(1), 2, false);
   field.setLocalScaling({kHalf, kHalf, 1});
   const struct {
     const char* name;
@@ -290,6 +289,16 @@ TEST(WorldPainter, ASoftBodyThatBlewUpIsLeftOut) {
   EXPECT_EQ(count_drawn(painted.draw(scene.world, front_camera(8))), 0);
   ball.m_nodes[5].m_x.setValue(0, 0, 0);
   EXPECT_GT(count_drawn(painted.draw(scene.world, front_camera(8))), 500);
+}
+
+TEST(WorldPainter, AShapeWithBrokenVerticesIsLeftOut) {
+  std::vector<float> heights(3 * 3, 0.0F);
+  btHeightfieldTerrainShape field(3, 3, heights.data(), btScalar(-1), btScalar(1), 2, false);
+  heights[4] = std::numeric_limits<float>::quiet_NaN();
+  Scene scene;
+  Painted painted;
+  scene.add(field, at(0, 0, 0));
+  EXPECT_EQ(count_drawn(painted.draw(scene.world, front_camera(6))), 0);
 }
 
 TEST(WorldPainter, ColoursAreDistinctAndCanBeOverruled) {

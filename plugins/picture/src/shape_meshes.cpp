@@ -8,6 +8,8 @@
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
+#include <algorithm>
+
 #include "bullet_vec.h"
 #include "shape_triangles.h"
 #include "shapes.h"
@@ -40,7 +42,9 @@ ShapeMeshes::~ShapeMeshes() {
 
 int ShapeMeshes::add(const TriangleMesh& mesh) {
   ++tessellated_;
-  return mesh.triangles.empty() ? -1 : renderer_.add_mesh(mesh.vertices, mesh.triangles);
+  const bool drawable = !mesh.triangles.empty() && std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                                               [](const Vec3& p) { return p.allFinite(); });
+  return drawable ? renderer_.add_mesh(mesh.vertices, mesh.triangles) : -1;
 }
 
 int ShapeMeshes::unit(Unit which) {

@@ -1,0 +1,4 @@
+// OSMesa (22.3) keeps some 160 bytes of every context it destroys, and LLVM some of its start-up: not our
+// leaks.
+extern "C" const char* __lsan_default_suppressions();  // NOLINT: the name is the sanitizer's
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\nleak:libLLVM\n"; }
