@@ -66,8 +66,8 @@ Matrix4f View::projection(double near_depth, double far_depth) const {
 std::array<Vec3, 2> tangents(const Vec3& axis) {
   // The world axis that stands most clearly across comes first, z before x before y, so that a floor of
   // either usual up axis gets tangents along the other two axes.
-  const Vec3 helper = std::abs(axis.z()) < 0.7 ? Vec3::UnitZ() : Vec3::UnitX();
-  const Vec3 second = (helper - axis * axis.dot(helper)).normalized();
+  const Vec3 across = std::abs(axis.z()) < 0.7 ? Vec3::UnitZ() : Vec3::UnitX();
+  const Vec3 second = (across - axis * axis.dot(across)).normalized();
   const Vec3 first = second.cross(axis);
   return {first, second};
 }
