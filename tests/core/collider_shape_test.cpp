@@ -1,14 +1,14 @@
 // Distances of rigid shapes against brute force, and the features of hulls against their definition.
 #include "collider_shape.h"
 
-#include <BulletCollision/CollisionShapes/btConeShape.h>
 #include <btBulletCollisionCommon.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
+#include <limits>
 #include <memory>
 #include <new>
+#include <numbers>
 
 #include "support/penetration.h"
 #include "support/precision.h"
@@ -138,85 +138,92 @@ TEST(ColliderShape, HullOutsideAgreesWithItsFaces) {
   }
 }
 
-// Every point of the hull lies behind every plane; every plane touches three corners at least.
-void expect_valid_features(const btConvexShape& shape, double size) {
+// Every point of the hull lies behind every plane; every plane touches three of them at least.
+void expect_valid_planes(const btConvexHullShape& hull, double size) {
   ColliderShapes shapes;
-  const ColliderShape& s = shapes.get(shape);
+  const ColliderShape& s = shapes.get(hull);
   const double tolerance = by_precision(1e-6, 1e-5) * size;
-  ASSERT_GE(s.corners.size(), 4u);
+  ASSERT_GE(s.planes.size(), 4u);
   for (const ShapePlane& plane : s.planes) {
     EXPECT_NEAR(plane.normal.norm(), 1.0, 1e-5);
     int on = 0;
-    for (const Vec3& corner : s.corners) {
-      const double d = plane.normal.dot(corner) - plane.offset;
+    for (int i = 0; i < hull.getNumPoints(); ++i) {
+      const btVector3 p = hull.getScaledPoint(i);
+      const double d = plane.normal.dot(Vec3(p.x(), p.y(), p.z())) - plane.offset;
       EXPECT_LE(d, tolerance);
       on += d > -tolerance;
     }
     EXPECT_GE(on, 3);
   }
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& corner : s.corners) middle += corner / static_cast<double>(s.corners.size());
-  for (const ShapeEdge& edge : s.edges) {
-    const Vec3 along = (edge.b - edge.a).normalized();
-    for (const Vec3& into : {edge.into_first, edge.into_second}) {
-      EXPECT_NEAR(into.norm(), 1.0, 1e-5);
-      EXPECT_NEAR(into.dot(along), 0.0, 1e-4);
-      // Into the face: every corner lies on the inner side of the line or behind the face.
-      const Vec3 outward = into.cross(along);
-      double low = 0, high = 0;
-      for (const Vec3& corner : s.corners) {
-        const double d = outward.dot(corner - edge.a);
-        low = std::min(low, d);
-        high = std::max(high, d);
-      }
-      EXPECT_TRUE(low > -10 * tolerance || high < 10 * tolerance) << "the face's plane cuts the hull";
-    }
-    EXPECT_GT((edge.into_first + edge.into_second).dot(middle - edge.a), 0.0);
-  }
 }
 
-TEST(HullFeatures, OfManyHullsAreValid) {
-  expect_valid_features(cube_hull(0.5, 1), 0.5);
-  expect_valid_features(cube_hull(0.5, 3),
-                        0.5);  // coplanar points on every face, collinear ones on every edge
+TEST(HullPlanes, OfManyHullsAreValid) {
+  expect_valid_planes(cube_hull(0.5, 1), 0.5);
+  expect_valid_planes(cube_hull(0.5, 3), 0.5);  // coplanar points on every face, collinear ones on every edge
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    expect_valid_features(random_hull(5 + static_cast<int>(seed) * 3, seed), 0.4);
+    expect_valid_planes(random_hull(5 + static_cast<int>(seed) * 3, seed), 0.4);
   }
   btConvexHullShape prism;
   for (int i = 0; i < 24; ++i) {
     for (const double y : {-0.3, 0.3}) {
-      prism.addPoint(
-          btVector3(btScalar(0.4 * std::cos(i * 0.2618)), btScalar(y), btScalar(0.4 * std::sin(i * 0.2618))),
-          false);
+      const double angle = i * std::numbers::pi / 12.0;
+      prism.addPoint(btVector3(btScalar(0.4 * std::cos(angle)), btScalar(y), btScalar(0.4 * std::sin(angle))),
+                     false);
     }
   }
   prism.recalcLocalAabb();
-  expect_valid_features(prism, 0.4);
+  expect_valid_planes(prism, 0.4);
 }
 
-TEST(HullFeatures, OfACubeAreTwelveEdgesAndEightCorners) {
+TEST(HullPlanes, OfACubeAreSix) {
   for (const int per_edge : {1, 3}) {
     ColliderShapes shapes;
-    const btConvexHullShape hull = cube_hull(0.5, per_edge);
-    const ColliderShape& s = shapes.get(hull);
-    EXPECT_EQ(s.corners.size(), 8u) << per_edge;
-    EXPECT_EQ(s.planes.size(), 6u) << per_edge;
-    EXPECT_EQ(s.edges.size(), 12u) << per_edge;
+    EXPECT_EQ(shapes.get(cube_hull(0.5, per_edge)).planes.size(), 6u) << per_edge;
   }
 }
 
-TEST(HullFeatures, OfRoundShapesLieOnThem) {
-  const btCylinderShape cylinder(btVector3(btScalar(0.4), btScalar(0.5), btScalar(0.4)));
-  const btConeShape cone(btScalar(0.3), btScalar(0.8));
-  const btConvexShape* round[] = {&cylinder, &cone};
-  for (const btConvexShape* shape : round) {
-    ColliderShapes shapes;
-    const ColliderShape& s = shapes.get(*shape);
-    EXPECT_GE(s.corners.size(), 20u);
-    for (const Vec3& corner : s.corners) {
-      EXPECT_NEAR(s.distance(corner).distance, 0.0, by_precision(1e-3, 2e-3));
+// Nearest distance of core and triangle by sampling the triangle.
+void expect_core_distances(const btConvexShape& shape, double size, double tolerance) {
+  ColliderShapes shapes;
+  const ColliderShape& s = shapes.get(shape);
+  ASSERT_TRUE(s.meets_faces());
+  Noise noise;
+  int found = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 middle = 2.0 * size * noise.vector();
+    const Vec3 a = middle + 0.4 * size * noise.vector(), b = middle + 0.4 * size * noise.vector();
+    const Vec3 c = middle + 0.4 * size * noise.vector();
+    if ((b - a).cross(c - a).norm() < 0.01 * size * size) continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    constexpr int kGrid = 60;
+    for (int u = 0; u <= kGrid; ++u) {
+      for (int v = 0; u + v <= kGrid; ++v) {
+        const Vec3 p = a + (b - a) * u / kGrid + (c - a) * v / kGrid;
+        nearest = std::min(nearest, s.distance(p).distance);
+      }
     }
+    ColliderShape::CoreDistance line;
+    if (!s.core_distance(a, b, c, line)) {
+      EXPECT_LT(nearest, 0.02 * size - s.core_radius()) << "said to overlap";
+      continue;
+    }
+    ++found;
+    EXPECT_NEAR((line.on_triangle - line.on_core).norm(), line.distance, tolerance);
+    EXPECT_LT(line.distance - s.core_radius(), nearest + tolerance);
+    EXPECT_GT(line.distance - s.core_radius(), nearest - 0.02 * size - tolerance);  // the grid is coarse
+    EXPECT_NEAR(distance_to_triangle(line.on_triangle, a, b, c), 0.0, tolerance);
+    EXPECT_NEAR(s.distance(line.on_core).distance, -s.core_radius(), 2 * tolerance);
   }
+  EXPECT_GT(found, 50);
+}
+
+TEST(CoreDistance, MatchesSampling) {
+  expect_core_distances(btSphereShape(btScalar(0.5)), 0.5, by_precision(1e-9, 1e-5));
+  expect_core_distances(btCapsuleShape(btScalar(0.2), btScalar(0.6)), 0.5, by_precision(1e-6, 1e-5));
+  expect_core_distances(btCapsuleShapeX(btScalar(0.2), btScalar(0.6)), 0.5, by_precision(1e-6, 1e-5));
+  expect_core_distances(cube_hull(0.3, 1), 0.5, by_precision(1e-3, 2e-3));
+  expect_core_distances(btCylinderShape(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.4))), 0.5,
+                        by_precision(1e-3, 2e-3));
 }
 
 TEST(BoxFeatures, AreItsOwn) {

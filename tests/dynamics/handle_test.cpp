@@ -196,6 +196,39 @@ TEST(Handle, PullOfTwoOnOnePointAdds) {
   EXPECT_NEAR(body.momentum().norm(), 12.0 / 60.0, by_precision(1e-9, 1e-6));
 }
 
+// All points held at a squashed shape: nothing moves, and let go it rings down without gaining energy.
+TEST(Handle, HoldsAStrainedShapeStill) {
+  for (const auto& [young, squash] :
+       {std::pair(1e4, 0.3), {1e5, 0.7}, {1e6, 0.95}, {1e6, 0.8}, {1e8, 0.95}}) {
+    TestWorld world;
+    world->setGravity(btVector3(0, 0, 0));
+    DeformableSystem system(*world);
+    ElasticBody body(model_of(Shape::part, young), Vec3::Zero());
+    system.add(body);
+    std::vector<HandleId> handles;
+    for (int v = 0; v < static_cast<int>(body.points().size()); ++v) {
+      Vec3 target = body.points()[static_cast<std::size_t>(v)];
+      target.y() *= squash;
+      handles.push_back(system.grab(body, v, target));
+    }
+    world.step(60);
+    double fastest = 0;
+    for (const Vec3& v : body.velocities()) fastest = std::max(fastest, v.norm());
+    EXPECT_LT(fastest, 1e-2) << "E " << young << ", squash " << squash;
+    for (const HandleId h : handles) system.release(h);
+    const double held = energy_of(body);
+    double last = held;
+    double gain = 0;
+    for (int i = 0; i < 120; ++i) {
+      world.step();
+      gain = std::max(gain, energy_of(body) / last - 1);
+      last = energy_of(body);
+    }
+    EXPECT_LE(gain, 1e-12) << "E " << young << ", squash " << squash;
+    EXPECT_LT(body.elastic_energy(), 0.5 * held) << "E " << young << ", squash " << squash;
+  }
+}
+
 // Handles are as good as contacts: what one pulls, the other feels.
 TEST(Handle, ImpulseEqualsChangeOfMomentum) {
   TestWorld world;

@@ -297,6 +297,52 @@ TEST(Fast, HandleCannotDragABodyThroughAWall) {
   EXPECT_LT(farthest, 0.49 + 2 * kVertexDepth);
 }
 
+// A press squeezes a body and holds it: it stays where it is, still and outside of the plates.
+TEST(Pressed, BodyHoldsStillBetweenThePlates) {
+  struct Press {
+    Shape shape;
+    double young, squash;
+  };
+  for (const Press& c : {Press{Shape::cube, 1e5, 0.6},
+                         {Shape::cube, 1e6, 0.8},
+                         {Shape::cube, 1e6, 0.6},
+                         {Shape::cube, 1e7, 0.95},
+                         {Shape::cube, 1e8, 0.95},
+                         {Shape::part, 1e6, 0.6},
+                         {Shape::part, 1e7, 0.95},
+                         {Shape::ball, 1e6, 0.6},
+                         {Shape::ball, 1e7, 0.8}}) {
+    TestWorld world;
+    btRigidBody& floor = world.add_box(Vec3(1, 0.5, 1), 0, Vec3(0, -0.5, 0));
+    DeformableSystem system(*world);
+    const double height = c.shape == Shape::cube ? 0.4 : c.shape == Shape::part ? 0.5 : 0.6;
+    ElasticBody body(model_of(c.shape, c.young), Vec3(0, 0.5 * height + 1e-3, 0),
+                     c.shape == Shape::part
+                         ? Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitX()).toRotationMatrix()
+                         : Mat3(Mat3::Identity()));
+    system.add(body);
+    btRigidBody& plate = world.add_box(Vec3(0.5, 0.1, 0.5), 0, Vec3(0, height + 0.11, 0));
+    plate.setCollisionFlags(plate.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    double deepest = -1, fastest = 0;
+    for (int i = 0; i < 300; ++i) {
+      btTransform placed = plate.getWorldTransform();
+      placed.setOrigin(
+          btVector3(0, btScalar(height + 0.11 - (1 - c.squash) * height * std::min(1.0, i / 60.0)), 0));
+      plate.setWorldTransform(placed);
+      plate.setInterpolationWorldTransform(placed);
+      world.step();
+      deepest = std::max({deepest, skin_depth(body, plate), skin_depth(body, floor)});
+      for (const Vec3& v : body.velocities()) fastest = i > 240 ? std::max(fastest, v.norm()) : 0.0;
+    }
+    std::printf("    shape %d, E %.0e, squashed to %.2f: fastest point %.1e m/s, deepest %.2f mm\n",
+                static_cast<int>(c.shape), c.young, c.squash, fastest, 1e3 * deepest);
+    EXPECT_LT(fastest, 0.01) << "E " << c.young << ", squash " << c.squash;
+    EXPECT_LE(deepest, kVertexDepth) << "E " << c.young << ", squash " << c.squash;
+    EXPECT_LT(std::hypot(body.center_of_mass().x(), body.center_of_mass().z()), 0.05)
+        << "E " << c.young << ", squash " << c.squash;
+  }
+}
+
 // A platform that the application moves pushes the body along and up.
 TEST(Kinematic, PlatformLiftsTheBody) {
   TestWorld world;
