@@ -9,7 +9,6 @@
 #include <limits>
 #include <numbers>
 
-#include "bullet_border.h"
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
@@ -64,7 +63,8 @@ void ConvexSolid::build_hull() {
   hull.compute(shape_.points.front().data(), sizeof(Vec3), static_cast<int>(shape_.points.size()), 0, 0);
   Vec3 middle = Vec3::Zero();
   for (int k = 0; k < hull.vertices.size(); ++k) {
-    corners_.push_back(from_bullet(hull.vertices[k]));
+    // The given points: Bullet rounds its own to a grid.
+    corners_.push_back(shape_.points[static_cast<std::size_t>(hull.original_vertex_index[k])]);
     middle += corners_.back() / hull.vertices.size();
     reach_ = std::max(reach_, corners_.back().norm());
   }

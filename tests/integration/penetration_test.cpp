@@ -80,10 +80,10 @@ TEST(ConvexSolid, HullOfABoxIsTheBox) {
   hull.points.push_back(shift);  // inside: no corner
   const ConvexSolid solid(hull);
   EXPECT_EQ(solid.corners().size(), 8u);
-  EXPECT_NEAR(solid.volume(), 0.048, 1e-7);
-  EXPECT_LT((solid.center() - shift).norm(), 1e-6);
+  EXPECT_NEAR(solid.volume(), 0.048, 1e-15);
+  EXPECT_LT((solid.center() - shift).norm(), 1e-14);
   for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.09, 0.1, 0.1), Vec3(0, 0.3, 0)}) {
-    EXPECT_NEAR(solid.depth(shift + p), plain.depth(p), 1e-6);
+    EXPECT_NEAR(solid.depth(shift + p), plain.depth(p), 1e-14);
   }
 }
 
