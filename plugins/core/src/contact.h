@@ -30,8 +30,7 @@ struct Contact {
   std::array<double, 3> weights{};
   Vec3 normal = Vec3::UnitY();      // from the collider towards the deformable
   double gap = 0;                   // m beyond the margin; negative needs a push
-  Vec3 rigid_point = Vec3::Zero();  // m, on the collider's surface or feature, in its frame (centre of mass)
-  double thickness = 0;             // m, radius round that point
+  Vec3 rigid_point = Vec3::Zero();  // m, on the collider's surface, in its frame
   Vec3 arm = Vec3::Zero();  // m, contact point at the start of the step from the collider's centre of mass
   int shape_index = -1;     // of the placed shape, this substep
   bool seen = false;        // active in this pass

@@ -42,6 +42,8 @@ class ContactFinder {
     double distance = 0;  // m, negative inside
   };
 
+  static void follow_face(const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
+                          double margin, Contact& contact);
   struct EdgePair {
     double s = 0, t = 0;  // parameters on the rigid edge and the skin's edge
     Vec3 normal = Vec3::UnitY();

@@ -189,7 +189,11 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
     // Signorini: gap >= 0, push >= 0, one of them zero.
     const double gap = row.gap_base + n.dot(motion) - dt_ * contact.rebound;
     const double push = n.dot(contact.impulse);
-    const double new_push = std::max(0.0, push - gap * row.normal_gain);
+    double new_push = std::max(0.0, push - gap * row.normal_gain);
+    constexpr double kNothing = 1e-14;  // m; a push that moves less is fading out
+    if (new_push < kNothing * row.normal_gain) {
+      new_push = 0.0;
+    }
     if (new_push == 0.0 && contact.impulse == Vec3::Zero()) {
       continue;
     }

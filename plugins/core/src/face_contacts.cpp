@@ -1,4 +1,6 @@
 // Round and other convex shapes against the faces of a deformable.
+#include <algorithm>
+
 #include "contact_finder.h"
 #include "nearest_points.h"
 
@@ -6,6 +8,15 @@ namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
 constexpr double kSlackMargins = 3.0;
+// Normals whose cosine is below this belong to different sides of a shape.
+constexpr double kSameSide = 0.7;
+
+// A face has up to nine contact points, one in each cell of a grid of barycentric weights.
+int zone(const Vec3& weights) {
+  constexpr double kCells = 3.0;
+  return 4 * static_cast<int>(std::min(kCells * weights[0], 2.999)) +
+         static_cast<int>(std::min(kCells * weights[1], 2.999));
+}
 
 }  // namespace
 
@@ -74,16 +85,44 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
       continue;
     }
     identity.skin_feature = static_cast<int>(f);
+    identity.rigid_feature = zone(weights);
     Contact& contact = contacts.find_or_add(identity);
+    if (contact.count != 0) {
+      continue;  // a point of this zone is there already, and stays where it is: see follow_face
+    }
     contact.rigid = instance.rigid;
     contact.shape_index = instance.index;
     contact.normal = normal;
     contact.gap = gap;
-    contact.rigid_point = rigid.end.to_local(end.to_world(line.on_core));
-    contact.thickness = radius;
+    contact.rigid_point = rigid.end.to_local(end.to_world(line.on_core) + radius * normal);
     place_on_face(body, static_cast<int>(f), weights, rigid, contact);
     contact.seen = contact.met = true;
   }
+}
+
+// A point of a face, once it has touched, is a point of the material: measured like a vertex.
+void ContactFinder::follow_face(const Deformable& body, const ShapeInstance& instance,
+                                const RigidState& rigid, double margin, Contact& contact) {
+  const Pose end = rigid.end * instance.local;
+  Vec3 point = Vec3::Zero();
+  Vec3 weights;
+  for (std::size_t k = 0; k < 3; ++k) {
+    point += contact.weights[k] * body.end_positions_[static_cast<std::size_t>(contact.points[k])];
+    weights[static_cast<Eigen::Index>(k)] = contact.weights[k];
+  }
+  const SurfaceDistance surface = instance.collider->distance(end.to_local(point));
+  const Vec3 normal = end.rotation * surface.normal;
+  const double gap = surface.distance - margin;
+  if (contact.met && gap < 0.0 && contact.normal.dot(normal) < kSameSide) {
+    // The other side of the shape is nearer now: stay on the plane it had.
+    contact.gap = contact.normal.dot(point - rigid.end.to_world(contact.rigid_point)) - margin;
+  } else {
+    contact.normal = normal;
+    contact.gap = gap;
+    contact.rigid_point = rigid.end.to_local(point - surface.distance * normal);
+  }
+  contact.rigid = instance.rigid;
+  place_on_face(body, contact.skin_feature, weights, rigid, contact);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -405,6 +405,10 @@ bool ContactFinder::refresh(const Deformable& body, const ShapeInstance& instanc
     }
     return sum;
   };
+  if (contact.kind == ContactKind::face) {
+    follow_face(body, instance, rigid, margin, contact);
+    return true;
+  }
   if (contact.kind == ContactKind::corner) {
     const Vec3 corner = end.to_world(shape.corners[static_cast<std::size_t>(contact.rigid_feature)]);
     const Vec3 size = body_bounds_.high - body_bounds_.low;
@@ -417,8 +421,7 @@ bool ContactFinder::refresh(const Deformable& body, const ShapeInstance& instanc
     return true;
   }
   // On the plane it had: through a point of the collider, with a fixed normal.
-  contact.gap =
-      contact.normal.dot(skin_point() - rigid.end.to_world(contact.rigid_point)) - contact.thickness - margin;
+  contact.gap = contact.normal.dot(skin_point() - rigid.end.to_world(contact.rigid_point)) - margin;
   return true;
 }
 

@@ -197,6 +197,13 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   // Contacts whose pair is gone keep their collider for one more solve, which gives their push back.
   for (Contact& contact : contacts_.all()) {
     contact.rigid = rigid_.find_or_add(contact.object, dt);
+    contact.shape_index = -1;
+    for (const PlacedShape& placed : placed_) {
+      if (placed.body == contact.body && placed.instance.rigid == contact.rigid &&
+          placed.instance.child == contact.child) {
+        contact.shape_index = placed.instance.index;
+      }
+    }
   }
   support_.clear();
   if (settings.rigid_support && !placed_.empty()) {
@@ -256,7 +263,7 @@ double DeformableSystem::Impl::detect(bool first) {
   }
   double worst = 0.0;
   for (Contact& contact : contacts_.all()) {
-    if (!contact.seen && contact.met) {
+    if (!contact.seen && contact.shape_index >= 0 && (contact.met || contact.kind == ContactKind::face)) {
       const ShapeInstance& instance = placed_[static_cast<std::size_t>(contact.shape_index)].instance;
       const auto b = static_cast<std::size_t>(contact.body);
       contact.seen =
@@ -368,8 +375,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
     point.normal = contact.normal;
     point.force = contact.impulse / dt;
     // What is left, not what was solved for.
-    point.gap = contact.normal.dot(point.point - rigid_[contact.rigid].end.to_world(contact.rigid_point)) -
-                contact.thickness;
+    point.gap = contact.normal.dot(point.point - rigid_[contact.rigid].end.to_world(contact.rigid_point));
     contact_points.push_back(point);
   }
   contacts_.erase_if([](const Contact& contact) { return contact.unpaired; });

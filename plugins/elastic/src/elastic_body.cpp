@@ -51,6 +51,12 @@ Vec3 center_of(const ElasticModel& model, const std::vector<Vec3>& positions, do
   return sum / mass;
 }
 
+Mat3 cross_matrix(const Vec3& a) {
+  Mat3 m;
+  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return m;
+}
+
 Mat3 turn_by(const Vec3& rotation_vector) {
   const double angle = rotation_vector.norm();
   return angle > 0.0 ? Mat3(Eigen::AngleAxisd(angle, rotation_vector / angle)) : Mat3(Mat3::Identity());
@@ -63,8 +69,8 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
       model_(std::move(model)) {
   frame_ = rotation;
   for (std::vector<Vec3>* field :
-       {&arms_, &end_arms_, &start_strain_, &start_force_, &shape_velocity_, &inertial_, &strain_, &force_,
-        &free_velocities_, &response_velocity_, &pushed_force_}) {
+       {&arms_, &end_arms_, &local_arms_, &start_strain_, &start_force_, &shape_velocity_, &inertial_,
+        &strain_, &force_, &free_velocities_, &response_velocity_, &pushed_force_}) {
     field->assign(positions_.size(), Vec3::Zero());
   }
   scratch_in_.resize(3 * positions_.size());
@@ -93,12 +99,33 @@ void ElasticBody::displacements(std::vector<double>& out) const {
 }
 
 double ElasticBody::elastic_energy() const {
-  std::vector<double> d;
-  displacements(d);
+  std::vector<Vec3> arms = positions_;
+  const Vec3 center = center_of_mass();
+  for (Vec3& arm : arms) {
+    arm -= center;
+  }
+  return strain_energy_of(arms);
+}
+
+// 1/2 d . S d in the frame that fits points at `arms` from their centre of mass.
+double ElasticBody::strain_energy_of(const std::vector<Vec3>& arms) const {
+  const Mat3 r = fit_frame(*model_, arms, Vec3::Zero());
   const Eigen::Index n = model_->dofs();
-  const Eigen::Map<const Eigen::VectorXd> u(d.data(), n);
-  const Eigen::Map<const Eigen::MatrixXd> s(model_->stiffness->unit_stiffness.data(), n, n);
-  return 0.5 * model_->material.young * u.dot(s * u);
+  const double* s = model_->stiffness->unit_stiffness.data();
+  double sum = 0;
+  for (std::size_t v = 0; v < arms.size(); ++v) {
+    const Vec3 d = r.transpose() * arms[v] - model_->rest[v];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double* column = s + (3 * static_cast<Eigen::Index>(v) + axis) * n;
+      double force = 0;
+      for (std::size_t w = 0; w < arms.size(); ++w) {
+        const Vec3 e = r.transpose() * arms[w] - model_->rest[w];
+        force += Eigen::Map<const Vec3>(column + 3 * w).dot(e);
+      }
+      sum += d[axis] * force;
+    }
+  }
+  return 0.5 * model_->material.young * sum;
 }
 
 const double* ElasticBody::response() const {
@@ -221,9 +248,16 @@ void ElasticBody::relax_shape() {
   drift /= total_mass();
   strain_energy_ = 0.0;
   const Vec3 end_center = start_center_ + dt_ * center_velocity_;
+  Vec3 torque = Vec3::Zero();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     strain_[v] -= drift;  // rounding only: internal forces have no net force
     strain_energy_ += 0.5 * strain_[v].dot(force_[v]);
+    // Elastic impulses are balanced about the rest shape; about the strained one they would turn the body.
+    torque += masses_[v] * (end_positions_[v] - center).cross(frame_ * (model_->rest[v] + strain_[v]));
+  }
+  const Mat3 back = turn_by(-(turn_ * inverse_inertia_ * turn_.transpose() * torque));
+  frame_ = back * frame_;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
     end_positions_[v] = end_center + frame_ * (model_->rest[v] + strain_[v]);
   }
 }
@@ -257,14 +291,15 @@ void ElasticBody::settle_free_motion() {
     omega = give_up_energy(center, inverse, rigid, internal);
   }
   // Rounding in the terms would drift over many small steps: compare the sum with the spin of the start.
-  Vec3 spin = Vec3::Zero();
+  Vec3 spin = Vec3::Zero(), momentum = Vec3::Zero();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     free_velocities_[v] = omega.cross(end_arms_[v]) + shape_velocity_[v];
     spin += masses_[v] * end_arms_[v].cross(free_velocities_[v]);
+    momentum += masses_[v] * free_velocities_[v];
   }
-  const Vec3 rounding = inverse * (spin_ - spin);
+  const Vec3 rounding = inverse * (spin_ - spin), velocity = center_velocity_ - momentum / total_mass();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
-    free_velocities_[v] += center_velocity_ + rounding.cross(end_arms_[v]);
+    free_velocities_[v] += velocity + rounding.cross(end_arms_[v]);
   }
 }
 
@@ -293,6 +328,11 @@ Vec3 ElasticBody::give_up_energy(const Vec3& center, const Mat3& inverse, double
     frame_ = q * frame_;
     return omega;
   }
+  // The books may be too low: frames differ between the steps of a body that is crushed flat. Count anew.
+  const double counted = strain_energy_of(arms_) - start_strain_energy_;
+  if (counted > 0.0 && 0.5 * spin_.dot(inverse * spin_) + strain_energy_ <= energy_at_start_ + counted) {
+    return inverse * spin_;
+  }
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     end_arms_[v] = turn_ * arms_[v];
     shape_velocity_[v].setZero();
@@ -314,18 +354,36 @@ void ElasticBody::predict(double dt) {
   pushed_ = false;
 }
 
-// dv_i / dJ_j = R [(M + h^2 S)^-1]_ij R^T.
+// dv_i / dJ_j = R B_ij R^T + [r_i]x I^-1 T_j, with T_j the torque about the start of the step by which the
+// elastic impulses that answer J_j are out of balance.
 void ElasticBody::compliance(std::span<const int> touched, double* blocks) {
   const Eigen::Index n = model_->dofs();
   const auto count = static_cast<Eigen::Index>(touched.size());
   const Eigen::Map<const Eigen::MatrixXd> b(response(), n, n);
   Eigen::Map<Eigen::MatrixXd> result(blocks, 3 * count, 3 * count);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    local_arms_[v] = masses_[v] * (frame_.transpose() * arms_[v]);
+  }
+  const Mat3 inverse = frame_.transpose() * inverse_inertia_ * frame_;
   for (Eigen::Index j = 0; j < count; ++j) {
+    const Eigen::Index column = 3 * touched[static_cast<std::size_t>(j)];
+    Mat3 torque = Mat3::Zero();  // all in the frame R
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t v = 0; v < positions_.size(); ++v) {
+        const Eigen::Index row = static_cast<Eigen::Index>(3 * v);
+        sum += local_arms_[v].cross(Vec3(b(row, column + c), b(row + 1, column + c), b(row + 2, column + c)));
+      }
+      torque.col(c) = sum;
+    }
+    const auto point = static_cast<std::size_t>(column / 3);
+    torque -= cross_matrix(local_arms_[point] / masses_[point]);
+    const Mat3 turn = inverse * torque;
     for (Eigen::Index i = 0; i < count; ++i) {
-      result.block<3, 3>(3 * i, 3 * j) =
-          frame_ *
-          b.block<3, 3>(3 * touched[static_cast<std::size_t>(i)], 3 * touched[static_cast<std::size_t>(j)]) *
-          frame_.transpose();
+      const auto other = static_cast<std::size_t>(touched[static_cast<std::size_t>(i)]);
+      const Mat3 block = b.block<3, 3>(static_cast<Eigen::Index>(3 * other), column) +
+                         cross_matrix(local_arms_[other] / masses_[other]) * turn;
+      result.block<3, 3>(3 * i, 3 * j) = frame_ * block * frame_.transpose();
     }
   }
 }
@@ -337,15 +395,21 @@ void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> im
   out.setZero();
   pushed_spin_ = spin_;
   pushed_momentum_ = total_mass() * center_velocity_;
+  Vec3 torque = Vec3::Zero();
   for (std::size_t j = 0; j < touched.size(); ++j) {
     const Vec3 local = frame_.transpose() * impulses[j];
     out.noalias() += b.middleCols<3>(3 * touched[j]) * local;
-    pushed_spin_ += (positions_[static_cast<std::size_t>(touched[j])] - start_center_).cross(impulses[j]);
+    torque -= arms_[static_cast<std::size_t>(touched[j])].cross(impulses[j]);
     pushed_momentum_ += impulses[j];
   }
+  pushed_spin_ -= torque;
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     response_velocity_[v] = out.segment<3>(static_cast<Eigen::Index>(3 * v));
-    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v]);
+    torque += masses_[v] * arms_[v].cross(frame_ * response_velocity_[v]);
+  }
+  const Vec3 turn = inverse_inertia_ * torque;
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v] + arms_[v].cross(turn));
   }
   // Strain energy of the pushed shape, again without a product by S: h S B J = (J - M B J) / h.
   strain_energy_pushed_ = 0.0;

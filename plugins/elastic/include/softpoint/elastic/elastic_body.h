@@ -40,6 +40,7 @@ class ElasticBody final : public Deformable {
   void relax_shape();
   void settle_free_motion();
 
+  double strain_energy_of(const std::vector<Vec3>& arms) const;
   void correct_turn(Mat3& turn, const Mat3& inverse, double wanted) const;
   Vec3 give_up_energy(const Vec3& center, const Mat3& inverse, double rigid, double internal);
   const double* response() const;
@@ -64,6 +65,7 @@ class ElasticBody final : public Deformable {
   std::vector<Vec3> start_strain_, start_force_;
   std::vector<Vec3> arms_;                        // r
   std::vector<Vec3> end_arms_;                    // r'
+  std::vector<Vec3> local_arms_;                  // m r, in the frame R
   std::vector<Vec3> shape_velocity_;              // w
   std::vector<Vec3> inertial_;                    // apparent accelerations in the turning frame, m/s2
   std::vector<Vec3> strain_;                      // d + delta
