@@ -105,8 +105,9 @@ void MetricsRecorder::record() {
     sum_.*field += work.*field;
     largest_.*field = std::max(largest_.*field, work.*field);
   };
-  for (const auto field : {&FrameWork::contacts, &FrameWork::passes, &FrameWork::iterations,
-                           &FrameWork::pairs, &FrameWork::without_pairs, &FrameWork::without_contacts}) {
+  for (const auto field :
+       {&FrameWork::contacts, &FrameWork::passes, &FrameWork::iterations, &FrameWork::pairs,
+        &FrameWork::pairs_skipped, &FrameWork::without_pairs, &FrameWork::without_contacts}) {
     count(field);
   }
 }
@@ -156,6 +157,7 @@ std::string MetricsRecorder::json() const {
                       {"passes", count(&FrameWork::passes)},
                       {"iterations", count(&FrameWork::iterations)},
                       {"pairs", count(&FrameWork::pairs)},
+                      {"pairs_skipped", count(&FrameWork::pairs_skipped)},
                       {"detections_skipped", count(&FrameWork::without_pairs)},
                       {"responses_skipped", count(&FrameWork::without_contacts)}};
   result["substeps_total"] = totals.substeps;

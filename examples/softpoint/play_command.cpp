@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "command.h"
 #include "metrics_recorder.h"
@@ -58,11 +61,15 @@ class Progress {
   bool shown_ = false;
 };
 
-void set_size(Scene& scene, const std::string& size) {
-  if (!size.empty() &&
-      std::sscanf(size.c_str(), "%dx%d", &scene.pictures.width, &scene.pictures.height) != 2) {
-    throw Error("--size " + size + ": permitted is WIDTHxHEIGHT in pixels");
+// "1280x720"
+std::optional<std::pair<int, int>> parse_size(const std::string& text) {
+  int width = 0, height = 0, end = 0;
+  const bool complete = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end) == 2 &&
+                        static_cast<std::size_t>(end) == text.size();
+  if (!complete || std::min(width, height) < 16 || std::max(width, height) > 8192) {
+    return std::nullopt;
   }
+  return std::pair(width, height);
 }
 
 int run(const Options& options, const std::vector<std::string>& arguments) {
@@ -78,7 +85,9 @@ int run(const Options& options, const std::vector<std::string>& arguments) {
   if (options.frames > 0) {
     scene.frames = options.frames;
   }
-  set_size(scene, options.size);
+  if (const auto size = parse_size(options.size)) {
+    std::tie(scene.pictures.width, scene.pictures.height) = *size;
+  }
   Player player(std::move(scene));
 
   std::optional<PictureTaker> pictures;
@@ -147,11 +156,7 @@ Command add_play_command(CLI::App& program, const std::vector<std::string>& argu
       ->check(CLI::Range(1, 1000000));
   app->add_option("--size", options->size, "WIDTHxHEIGHT of pictures and film in pixels")
       ->check([](const std::string& text) {
-        int width = 0, height = 0, end = 0;
-        const bool good = std::sscanf(text.c_str(), "%dx%d%n", &width, &height, &end) == 2 &&
-                          static_cast<std::size_t>(end) == text.size() && width >= 16 && width <= 8192 &&
-                          height >= 16 && height <= 8192;
-        return good ? std::string() : "permitted is WIDTHxHEIGHT, each 16 to 8192: " + text;
+        return parse_size(text) ? std::string() : "permitted is WIDTHxHEIGHT, each 16 to 8192: " + text;
       });
   app->add_flag("--video", options->video, "Write video.mp4 too (needs the program ffmpeg)");
   app->add_flag("--no-pictures", options->no_pictures, "Write no pictures");

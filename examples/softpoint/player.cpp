@@ -21,6 +21,7 @@ void add(FrameWork& work, const Profile& profile) {
   work.passes += c.passes;
   work.iterations += c.iterations;
   work.pairs += c.pairs;
+  work.pairs_skipped += c.pairs_skipped;
   work.without_pairs += c.without_pairs;
   work.without_contacts += c.without_contacts;
 }

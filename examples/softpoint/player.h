@@ -17,7 +17,8 @@ struct FrameWork {
   double step_seconds = 0;   // wall time of stepSimulation, ours and Bullet's
   Profile::Seconds seconds;  // ours, by stage
   long long contacts = 0;    // at the end of the frame
-  long long passes = 0, iterations = 0, pairs = 0;
+  long long passes = 0, iterations = 0;
+  long long pairs = 0, pairs_skipped = 0;             // skipped: shapes that deformables do not meet
   long long without_pairs = 0, without_contacts = 0;  // deformables whose detection, response was skipped
 };
 

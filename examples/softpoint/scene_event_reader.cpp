@@ -3,23 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "json_reader_state.h"
 #include "nearest.h"
-#include "softpoint/core/error.h"
+#include "scene_event_order.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-// Reads the events one by one, then goes through them in order of time to see which handles are held.
 class EventReader {
  public:
   explicit EventReader(Scene& scene) : scene_(scene) {}
 
   void read(ObjectReader& item);
-  void check_order() const;
+  // Of the events in the document, for messages.
+  const std::vector<std::string>& places() const { return places_; }
 
  private:
   void read_grab(ObjectReader& item);
@@ -34,7 +33,7 @@ class EventReader {
 
   Scene& scene_;
   double at_ = 0;
-  std::vector<std::string> places_;  // of the events, for messages
+  std::vector<std::string> places_;
 };
 
 const char* const kHandleDoc = "name of the handle";
@@ -230,56 +229,6 @@ void EventReader::read(ObjectReader& item) {
                {});
 }
 
-void EventReader::check_order() const {
-  std::vector<std::size_t> order(scene_.events.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    order[k] = k;
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return scene_.events[a].at < scene_.events[b].at; });
-  std::map<int, int> held;  // handle -> deformable
-  std::set<std::pair<bool, int>> off;
-  for (const std::size_t k : order) {
-    const auto refuse = [&](const std::string& problem) { throw Error(places_[k] + ": " + problem); };
-    const auto name = [&](int handle) { return scene_.handles[static_cast<std::size_t>(handle)]; };
-    const auto need_held = [&](int handle) {
-      if (!held.contains(handle)) {
-        refuse(fmt::format(
-            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab or pin and "
-            "its release",
-            name(handle), to_text(scene_.events[k].at)));
-      }
-    };
-    const auto need_present = [&](BodyRef body) {
-      if (off.contains({body.deformable, body.index})) {
-        refuse(fmt::format("the body is switched off at {} s", to_text(scene_.events[k].at)));
-      }
-    };
-    const auto& action = scene_.events[k].action;
-    if (const auto* grab = std::get_if<GrabEvent>(&action)) {
-      need_present({true, grab->deformable});
-      if (!held.emplace(grab->handle, grab->deformable).second) {
-        refuse(fmt::format("handle \"{}\" already holds something; release it first", name(grab->handle)));
-      }
-    } else if (const auto* move = std::get_if<MoveEvent>(&action)) {
-      need_held(move->handle);
-    } else if (const auto* release = std::get_if<ReleaseEvent>(&action)) {
-      need_held(release->handle);
-      held.erase(release->handle);
-    } else if (const auto* impulse = std::get_if<ImpulseEvent>(&action)) {
-      need_present(impulse->body);
-    } else if (const auto* toggle = std::get_if<ToggleEvent>(&action); toggle->what == SwitchKind::kBody) {
-      const std::pair key{toggle->body.deformable, toggle->body.index};
-      if (toggle->on.value_or(off.contains(key))) {
-        off.erase(key);
-      } else {
-        off.insert(key);
-        std::erase_if(held, [&](const auto& h) { return key == std::pair{true, h.second}; });
-      }
-    }
-  }
-}
-
 BodyRef find_body(ObjectReader& item, std::string_view key, const std::string& name, const Scene& scene,
                   bool deformables_only) {
   std::vector<std::string> names;
@@ -322,7 +271,7 @@ void read_events(ObjectReader& root, Scene& scene) {
   EventReader reader(scene);
   root.list("events", {.optional = true, .doc = "what happens when; those of one time in order of the file"},
             [&](ObjectReader& item, int) { reader.read(item); });
-  reader.check_order();
+  check_event_order(scene, reader.places());
   std::stable_sort(scene.events.begin(), scene.events.end(),
                    [](const Event& a, const Event& b) { return a.at < b.at; });
 }

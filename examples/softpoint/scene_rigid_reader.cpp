@@ -171,7 +171,8 @@ RigidBodySpec read_rigid_body(ObjectReader& item) {
   body.motion = read_motion(item);
   body.friction = share(item, "friction", 0.5, 100.0, "coefficient; the product of both bodies' counts");
   body.restitution = share(item, "restitution", 0.0, 1.0, "the product of both bodies' counts");
-  body.rolling_friction = share(item, "rolling_friction", 0.0, 100.0, "among rigid bodies, m");
+  body.rolling_friction =
+      share(item, "rolling_friction", 0.0, 100.0, "Bullet's coefficient, among rigid bodies");
   body.linear_damping = share(item, "linear_damping", 0.0, 1.0, "share of the speed lost in a second");
   body.angular_damping = share(item, "angular_damping", 0.0, 1.0, "share of the spin lost in a second");
   body.may_sleep = item.boolean("may_sleep", {.fallback = true, .doc = "Bullet may stop it when it is slow"});

@@ -1,0 +1,64 @@
+#include "scene_event_order.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+
+void check_event_order(const Scene& scene, const std::vector<std::string>& places) {
+  std::vector<std::size_t> order(scene.events.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    order[k] = k;
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return scene.events[a].at < scene.events[b].at; });
+  std::map<int, int> held;  // handle -> deformable
+  std::set<std::pair<bool, int>> off;
+  for (const std::size_t k : order) {
+    const auto refuse = [&](const std::string& problem) { throw Error(places[k] + ": " + problem); };
+    const auto name = [&](int handle) { return scene.handles[static_cast<std::size_t>(handle)]; };
+    const auto need_held = [&](int handle) {
+      if (!held.contains(handle)) {
+        refuse(fmt::format(
+            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab or pin and "
+            "its release",
+            name(handle), to_text(scene.events[k].at)));
+      }
+    };
+    const auto need_present = [&](BodyRef body) {
+      if (off.contains({body.deformable, body.index})) {
+        refuse(fmt::format("the body is switched off at {} s", to_text(scene.events[k].at)));
+      }
+    };
+    const auto& action = scene.events[k].action;
+    if (const auto* grab = std::get_if<GrabEvent>(&action)) {
+      need_present({true, grab->deformable});
+      if (!held.emplace(grab->handle, grab->deformable).second) {
+        refuse(fmt::format("handle \"{}\" already holds something; release it first", name(grab->handle)));
+      }
+    } else if (const auto* move = std::get_if<MoveEvent>(&action)) {
+      need_held(move->handle);
+    } else if (const auto* release = std::get_if<ReleaseEvent>(&action)) {
+      need_held(release->handle);
+      held.erase(release->handle);
+    } else if (const auto* impulse = std::get_if<ImpulseEvent>(&action)) {
+      need_present(impulse->body);
+    } else if (const auto* toggle = std::get_if<ToggleEvent>(&action); toggle->what == SwitchKind::kBody) {
+      const std::pair key{toggle->body.deformable, toggle->body.index};
+      if (toggle->on.value_or(off.contains(key))) {
+        off.erase(key);
+      } else {
+        off.insert(key);
+        std::erase_if(held, [&](const auto& h) { return key == std::pair{true, h.second}; });
+      }
+    }
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene
