@@ -62,8 +62,9 @@ TEST_P(SpinningBody, KeepsSpinAndNeverGainsEnergy) {
       "%.6f\n",
       c.young, 1.0 / c.dt, c.rate.norm(), worst_spin, worst_drift, worst_gain, last / first);
   EXPECT_LE(worst_spin, 1e-12);
-  EXPECT_LE(worst_drift, 1e-12);
-  EXPECT_LE(worst_gain, 1e-13);
+  EXPECT_LE(worst_drift, 1e-11);
+  // The step of a float world differs from the body's own in the last digits.
+  EXPECT_LE(worst_gain, by_precision(1e-13, 1e-11));
   EXPECT_EQ(system.profile().totals.guard_fired, 0);
 }
 

