@@ -3,6 +3,7 @@
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
@@ -17,8 +18,8 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-// Everything a ColliderShape depends on, in eight numbers.
-void fingerprint(const btCollisionShape& shape, double (&out)[8]) {
+// Everything a ColliderShape depends on, in nine numbers.
+void fingerprint(const btCollisionShape& shape, double (&out)[9]) {
   std::fill(std::begin(out), std::end(out), 0.0);
   out[0] = shape.getShapeType();
   out[1] = shape.getMargin();
@@ -34,6 +35,14 @@ void fingerprint(const btCollisionShape& shape, double (&out)[8]) {
   const Vec3 a = from_bullet(low), b = from_bullet(high);
   std::copy(a.data(), a.data() + 3, out + 2);
   std::copy(b.data(), b.data() + 3, out + 5);
+  if (shape.isPolyhedral()) {
+    const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(shape);
+    for (int i = 0; i < polyhedron.getNumVertices(); ++i) {
+      btVector3 v;
+      polyhedron.getVertex(i, v);
+      out[8] += (i + 1) * from_bullet(v).dot(Vec3(1.0, 1.7, 2.3));
+    }
+  }
 }
 
 void add_box_features(ColliderShape& s) {
@@ -231,7 +240,7 @@ bool ColliderShape::core_distance(const Vec3& a, const Vec3& b, const Vec3& c, C
 }
 
 const ColliderShape& ColliderShapes::get(const btCollisionShape& shape) {
-  double now[8];
+  double now[9];
   fingerprint(shape, now);
   Entry& entry = entries_[&shape];
   entry.last_used = substep_;

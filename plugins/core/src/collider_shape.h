@@ -77,7 +77,7 @@ class ColliderShapes {
  private:
   struct Entry {
     ColliderShape shape;
-    double fingerprint[8] = {};
+    double fingerprint[9] = {};
     long long last_used = 0;
   };
   long long substep_ = 0;

@@ -84,7 +84,7 @@ void ContactFinder::find_vertices(int body_index, const Deformable& body, const 
     contact.weights = {1.0, 0.0, 0.0};
     contact.normal = normal;
     contact.gap = gap;
-    contact.arm = body.positions_[v] - rigid.start.origin;
+    contact.arm = body.impulse_points_[v] - rigid.start.origin;
     contact.rigid_point = rigid.end.to_local(body.end_positions_[v] - (gap + margin) * normal);
     contact.seen = contact.met = true;
   }

@@ -42,6 +42,8 @@ class ContactFinder {
     double distance = 0;  // m, negative inside
   };
 
+  static bool sample_face(const Deformable& body, const Triangle& face, const ColliderShape& shape,
+                          const Pose& pose, Vec3& weights, Vec3& normal, double& distance);
   static void follow_face(const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
                           double margin, Contact& contact);
   struct EdgePair {

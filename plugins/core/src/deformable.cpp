@@ -75,7 +75,7 @@ Deformable::Deformable(std::vector<Vec3> positions, std::vector<Triangle> triang
     }
   }
   velocities_.assign(positions_.size(), Vec3::Zero());
-  end_positions_ = free_positions_ = positions_;
+  end_positions_ = free_positions_ = impulse_points_ = positions_;
   impulses_.assign(positions_.size(), Vec3::Zero());
 
   std::map<std::pair<int, int>, std::size_t> known;
@@ -199,6 +199,7 @@ void Deformable::begin(double dt, const Vec3& gravity) {
     }
     impulses_queued_ = false;
   }
+  impulse_points_ = positions_;
   predict(dt);
   free_positions_ = end_positions_;
 }

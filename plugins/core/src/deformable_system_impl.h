@@ -50,6 +50,7 @@ struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInte
   void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
   void commit(double dt);           // new positions, guard, mirror
 
+  void forget_impulses(int body);
   void add_pairs_ahead();
   void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local, int& child);
   double detect(bool first);

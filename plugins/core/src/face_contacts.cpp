@@ -78,8 +78,10 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
         skin += weights[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
       }
       gap = normal.dot(skin - end.to_world(line.on_core)) - radius - margin;
-    } else {
+    } else if (!sample_face(body, t, shape, end, weights, normal, gap)) {
       continue;
+    } else {
+      gap -= margin;
     }
     if (gap > kSlackMargins * margin) {
       continue;
@@ -94,10 +96,39 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
     contact.shape_index = instance.index;
     contact.normal = normal;
     contact.gap = gap;
-    contact.rigid_point = rigid.end.to_local(end.to_world(line.on_core) + radius * normal);
+    Vec3 skin = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      skin += weights[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+    }
+    contact.rigid_point = rigid.end.to_local(skin - (gap + margin) * normal);
     place_on_face(body, static_cast<int>(f), weights, rigid, contact);
     contact.seen = contact.met = true;
   }
+}
+
+// Where the core of a shape has got into a face: the deepest of ten points spread over it.
+bool ContactFinder::sample_face(const Deformable& body, const Triangle& t, const ColliderShape& shape,
+                                const Pose& pose, Vec3& weights, Vec3& normal, double& distance) {
+  distance = 0.0;
+  for (int i = 0; i <= 3; ++i) {
+    for (int j = 0; j <= 3 - i; ++j) {
+      const Vec3 w(i / 3.0, j / 3.0, (3 - i - j) / 3.0);
+      if (w.maxCoeff() == 1.0) {
+        continue;  // vertices make contacts of their own
+      }
+      Vec3 point = Vec3::Zero();
+      for (std::size_t k = 0; k < 3; ++k) {
+        point += w[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+      }
+      const SurfaceDistance surface = shape.distance(pose.to_local(point));
+      if (surface.distance < distance) {
+        distance = surface.distance;
+        weights = w;
+        normal = pose.rotation * surface.normal;
+      }
+    }
+  }
+  return distance < 0.0;
 }
 
 // A point of a face, once it has touched, is a point of the material: measured like a vertex.

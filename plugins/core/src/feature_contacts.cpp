@@ -284,7 +284,7 @@ void ContactFinder::place_on_face(const Deformable& body, int face, const Vec3& 
   for (std::size_t k = 0; k < 3; ++k) {
     contact.points[k] = body.triangles_[static_cast<std::size_t>(face)][k];
     contact.weights[k] = weights[static_cast<Eigen::Index>(k)];
-    at_start += contact.weights[k] * body.positions_[static_cast<std::size_t>(contact.points[k])];
+    at_start += contact.weights[k] * body.impulse_points_[static_cast<std::size_t>(contact.points[k])];
   }
   contact.arm = at_start - rigid.start.origin;
 }
@@ -387,7 +387,8 @@ void ContactFinder::find_edges(int body_index, const Deformable& body, const Sha
       contact.weights = {1.0 - pair.t, pair.t, 0.0};
       contact.normal = pair.normal;
       contact.gap = gap;
-      contact.arm = (1.0 - pair.t) * body.positions_[v0] + pair.t * body.positions_[v1] - rigid.start.origin;
+      contact.arm =
+          (1.0 - pair.t) * body.impulse_points_[v0] + pair.t * body.impulse_points_[v1] - rigid.start.origin;
       contact.rigid_point = rigid.end.to_local(a + pair.s * (b - a));
       contact.seen = contact.met = true;
     }

@@ -13,18 +13,30 @@ std::optional<RayHit> DeformableSystem::pick(const Vec3& from, const Vec3& to) c
   nearest.fraction = 1.0;
   const Vec3 d = to - from;
   for (Deformable* body : bodies()) {
-    btScalar fraction = btScalar(1);
-    btSoftBody::eFeature::_ feature = btSoftBody::eFeature::None;
-    int face = -1;
-    // The base class searches the face tree that the mirror keeps.
-    const btSoftBody& mirror = *body;
-    if (mirror.rayTest(to_bullet(from), to_bullet(to), fraction, feature, face, false) == 0 || face < 0 ||
-        fraction >= nearest.fraction) {
-      continue;
+    const std::span<const Vec3> points = body->points();
+    const std::span<const Triangle> faces = body->faces();
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      // Moller-Trumbore, both sides, in double precision whatever Bullet's own is.
+      const Vec3& a = points[static_cast<std::size_t>(faces[f][0])];
+      const Vec3 e1 = points[static_cast<std::size_t>(faces[f][1])] - a;
+      const Vec3 e2 = points[static_cast<std::size_t>(faces[f][2])] - a;
+      const Vec3 q = d.cross(e2);
+      const double determinant = e1.dot(q);
+      if (determinant == 0.0) {
+        continue;
+      }
+      const Vec3 s = from - a;
+      const Vec3 r = s.cross(e1);
+      const double u = s.dot(q) / determinant, v = d.dot(r) / determinant, time = e2.dot(r) / determinant;
+      if (u < 0.0 || v < 0.0 || u + v > 1.0 || time < 0.0 || time > nearest.fraction ||
+          (nearest.body != nullptr && time == nearest.fraction)) {
+        continue;
+      }
+      nearest.body = body;
+      nearest.face = static_cast<int>(f);
+      nearest.fraction = time;
+      nearest.weights = {1.0 - u - v, u, v};
     }
-    nearest.body = body;
-    nearest.face = face;
-    nearest.fraction = fraction;
   }
   if (nearest.body == nullptr) {
     return std::nullopt;
@@ -34,12 +46,6 @@ std::optional<RayHit> DeformableSystem::pick(const Vec3& from, const Vec3& to) c
     return nearest.body->points()[static_cast<std::size_t>(t[k])];
   };
   nearest.position = from + nearest.fraction * d;
-  const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
-  const double area = normal.squaredNorm();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 part = (at((k + 1) % 3) - nearest.position).cross(at((k + 2) % 3) - nearest.position);
-    nearest.weights[static_cast<Eigen::Index>(k)] = area > 0.0 ? part.dot(normal) / area : 1.0 / 3.0;
-  }
   std::size_t closest = 0;
   for (std::size_t k = 1; k < 3; ++k) {
     if ((at(k) - nearest.position).squaredNorm() < (at(closest) - nearest.position).squaredNorm()) {

@@ -381,13 +381,26 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
   contacts_.erase_if([](const Contact& contact) { return contact.unpaired; });
 }
 
+// What the guard has put back must not be poisoned again by the impulses that led there.
+void DeformableSystem::Impl::forget_impulses(int body) {
+  contacts_.erase_if([&](const Contact& c) { return c.body == body; });
+  for (Handle& held : handles) {
+    if (held.body == body) {
+      held.impulse.setZero();
+    }
+  }
+}
+
 void DeformableSystem::Impl::commit(double dt) {
   {
     StageTimer timer(profile.seconds.commit);
     for (Deformable* body : bodies) {
       const long long fired = body->guard_fired();
       body->finish(dt);
-      profile.totals.guard_fired += body->guard_fired() - fired;
+      if (body->guard_fired() != fired) {
+        ++profile.totals.guard_fired;
+        forget_impulses(index_of(*body));
+      }
     }
   }
   StageTimer timer(profile.seconds.mirror);

@@ -51,12 +51,6 @@ Vec3 center_of(const ElasticModel& model, const std::vector<Vec3>& positions, do
   return sum / mass;
 }
 
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 Mat3 turn_by(const Vec3& rotation_vector) {
   const double angle = rotation_vector.norm();
   return angle > 0.0 ? Mat3(Eigen::AngleAxisd(angle, rotation_vector / angle)) : Mat3(Mat3::Identity());
@@ -69,8 +63,8 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
       model_(std::move(model)) {
   frame_ = rotation;
   for (std::vector<Vec3>* field :
-       {&arms_, &end_arms_, &local_arms_, &start_strain_, &start_force_, &shape_velocity_, &inertial_,
-        &strain_, &force_, &free_velocities_, &response_velocity_, &pushed_force_}) {
+       {&arms_, &end_arms_, &start_strain_, &start_force_, &shape_velocity_, &inertial_, &strain_, &force_,
+        &free_velocities_, &response_velocity_, &pushed_force_}) {
     field->assign(positions_.size(), Vec3::Zero());
   }
   scratch_in_.resize(3 * positions_.size());
@@ -248,16 +242,9 @@ void ElasticBody::relax_shape() {
   drift /= total_mass();
   strain_energy_ = 0.0;
   const Vec3 end_center = start_center_ + dt_ * center_velocity_;
-  Vec3 torque = Vec3::Zero();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     strain_[v] -= drift;  // rounding only: internal forces have no net force
     strain_energy_ += 0.5 * strain_[v].dot(force_[v]);
-    // Elastic impulses are balanced about the rest shape; about the strained one they would turn the body.
-    torque += masses_[v] * (end_positions_[v] - center).cross(frame_ * (model_->rest[v] + strain_[v]));
-  }
-  const Mat3 back = turn_by(-(turn_ * inverse_inertia_ * turn_.transpose() * torque));
-  frame_ = back * frame_;
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
     end_positions_[v] = end_center + frame_ * (model_->rest[v] + strain_[v]);
   }
 }
@@ -352,38 +339,25 @@ void ElasticBody::predict(double dt) {
   relax_shape();
   settle_free_motion();
   pushed_ = false;
+  // The matrix B answers impulses on the turned and relaxed shape, so that is where their torque is counted:
+  // on the strained shape of the start, elastic forces that balance them would turn the body on.
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    impulse_points_[v] = end_positions_[v] - dt * center_velocity_;
+  }
 }
 
-// dv_i / dJ_j = R B_ij R^T + [r_i]x I^-1 T_j, with T_j the torque about the start of the step by which the
-// elastic impulses that answer J_j are out of balance.
+// dv_i / dJ_j = R [(M + h^2 S)^-1]_ij R^T.
 void ElasticBody::compliance(std::span<const int> touched, double* blocks) {
   const Eigen::Index n = model_->dofs();
   const auto count = static_cast<Eigen::Index>(touched.size());
   const Eigen::Map<const Eigen::MatrixXd> b(response(), n, n);
   Eigen::Map<Eigen::MatrixXd> result(blocks, 3 * count, 3 * count);
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    local_arms_[v] = masses_[v] * (frame_.transpose() * arms_[v]);
-  }
-  const Mat3 inverse = frame_.transpose() * inverse_inertia_ * frame_;
   for (Eigen::Index j = 0; j < count; ++j) {
-    const Eigen::Index column = 3 * touched[static_cast<std::size_t>(j)];
-    Mat3 torque = Mat3::Zero();  // all in the frame R
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t v = 0; v < positions_.size(); ++v) {
-        const Eigen::Index row = static_cast<Eigen::Index>(3 * v);
-        sum += local_arms_[v].cross(Vec3(b(row, column + c), b(row + 1, column + c), b(row + 2, column + c)));
-      }
-      torque.col(c) = sum;
-    }
-    const auto point = static_cast<std::size_t>(column / 3);
-    torque -= cross_matrix(local_arms_[point] / masses_[point]);
-    const Mat3 turn = inverse * torque;
     for (Eigen::Index i = 0; i < count; ++i) {
-      const auto other = static_cast<std::size_t>(touched[static_cast<std::size_t>(i)]);
-      const Mat3 block = b.block<3, 3>(static_cast<Eigen::Index>(3 * other), column) +
-                         cross_matrix(local_arms_[other] / masses_[other]) * turn;
-      result.block<3, 3>(3 * i, 3 * j) = frame_ * block * frame_.transpose();
+      result.block<3, 3>(3 * i, 3 * j) =
+          frame_ *
+          b.block<3, 3>(3 * touched[static_cast<std::size_t>(i)], 3 * touched[static_cast<std::size_t>(j)]) *
+          frame_.transpose();
     }
   }
 }
@@ -395,21 +369,16 @@ void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> im
   out.setZero();
   pushed_spin_ = spin_;
   pushed_momentum_ = total_mass() * center_velocity_;
-  Vec3 torque = Vec3::Zero();
   for (std::size_t j = 0; j < touched.size(); ++j) {
     const Vec3 local = frame_.transpose() * impulses[j];
     out.noalias() += b.middleCols<3>(3 * touched[j]) * local;
-    torque -= arms_[static_cast<std::size_t>(touched[j])].cross(impulses[j]);
+    pushed_spin_ +=
+        (impulse_points_[static_cast<std::size_t>(touched[j])] - start_center_).cross(impulses[j]);
     pushed_momentum_ += impulses[j];
   }
-  pushed_spin_ -= torque;
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     response_velocity_[v] = out.segment<3>(static_cast<Eigen::Index>(3 * v));
-    torque += masses_[v] * arms_[v].cross(frame_ * response_velocity_[v]);
-  }
-  const Vec3 turn = inverse_inertia_ * torque;
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v] + arms_[v].cross(turn));
+    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v]);
   }
   // Strain energy of the pushed shape, again without a product by S: h S B J = (J - M B J) / h.
   strain_energy_pushed_ = 0.0;

@@ -78,6 +78,7 @@ class Deformable : public btSoftBody, public Surface {
   std::vector<Vec3> positions_;       // m, world
   std::vector<Vec3> velocities_;      // m/s
   std::vector<Vec3> end_positions_;   // m, at the end of the step as known so far
+  std::vector<Vec3> impulse_points_;  // m, where the torque of impulses is counted; predict() may move them
   std::vector<Vec3> free_positions_;  // m, what predict() left in end_positions_
   std::vector<double> masses_;
   std::vector<Triangle> triangles_;

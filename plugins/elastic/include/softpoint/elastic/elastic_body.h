@@ -65,7 +65,6 @@ class ElasticBody final : public Deformable {
   std::vector<Vec3> start_strain_, start_force_;
   std::vector<Vec3> arms_;                        // r
   std::vector<Vec3> end_arms_;                    // r'
-  std::vector<Vec3> local_arms_;                  // m r, in the frame R
   std::vector<Vec3> shape_velocity_;              // w
   std::vector<Vec3> inertial_;                    // apparent accelerations in the turning frame, m/s2
   std::vector<Vec3> strain_;                      // d + delta
