@@ -313,7 +313,7 @@ TYPED_TEST(Worlds, RegisteredCollisionFunctionsComeBack) {
   const btScalar masses[] = {1, 1, 1};
   btSoftBody stock(&info, 3, nodes, masses);
   stock.appendFace(0, 1, 2);
-  world->addCollisionObject(&stock);
+  world->addCollisionObject(&stock, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter);
   world.add_box(Vec3(0.5, 0.5, 0.5), 0, Vec3::Zero());
   world->performDiscreteCollisionDetection();
   EXPECT_GT(counting.calls, 0);
