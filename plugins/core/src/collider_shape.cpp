@@ -10,9 +10,10 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
-#include "face_planes.h"
+#include "facets.h"
 #include "nearest_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -102,7 +103,7 @@ ColliderShape build(const btCollisionShape& shape) {
       if (shape.isConvex()) {
         s.kind = ColliderShape::Kind::convex;
         s.convex = static_cast<const btConvexShape*>(&shape);
-        add_face_planes(s);
+        add_facets(s);
       }
       break;
   }
@@ -142,18 +143,32 @@ SurfaceDistance ball_distance(const Vec3& center, double radius, const Vec3& p, 
   return {-radius, normal};
 }
 
-// Inside a polyhedron the nearest face plane is exact and cheap; elsewhere Bullet's GJK and EPA answer.
-// Both count the shape's margin as part of it, as Bullet's own contacts do.
+// Polyhedra by their faces, exactly; other shapes as Bullet's GJK and EPA have it. Both count the shape's
+// margin as part of it, as Bullet's own contacts do.
 SurfaceDistance convex_distance(const ColliderShape& s, const Vec3& p) {
-  SurfaceDistance nearest{-std::numeric_limits<double>::infinity(), Vec3::UnitY()};
-  for (const ShapePlane& plane : s.planes) {
-    const double distance = plane.normal.dot(p) - plane.offset;
-    if (distance > nearest.distance) {
-      nearest = {distance, plane.normal};
+  if (!s.facets.empty()) {
+    SurfaceDistance inside{-std::numeric_limits<double>::infinity(), Vec3::UnitY()};
+    double nearest = std::numeric_limits<double>::infinity();
+    Vec3 offset = Vec3::UnitY();
+    for (const ShapeFacet& facet : s.facets) {
+      const double distance = facet.normal.dot(p) - facet.offset;
+      if (distance > inside.distance) {
+        inside = {distance, facet.normal};
+      }
+      if (distance > 0.0 && distance * distance < nearest) {
+        const Vec3 w = nearest_weights(p, facet.a, facet.b, facet.c);
+        const Vec3 to_point = p - (w[0] * facet.a + w[1] * facet.b + w[2] * facet.c);
+        if (to_point.squaredNorm() < nearest) {
+          nearest = to_point.squaredNorm();
+          offset = to_point;
+        }
+      }
     }
-  }
-  if (!s.planes.empty() && nearest.distance <= 0.0) {
-    return {nearest.distance - s.core_radius(), nearest.normal};
+    const double length = std::sqrt(nearest);
+    if (inside.distance <= 0.0 || length < 1e-9) {
+      return {inside.distance - s.core_radius(), inside.normal};
+    }
+    return {length - s.core_radius(), offset / length};
   }
   btGjkEpaSolver2::sResults result;
   const btScalar distance =

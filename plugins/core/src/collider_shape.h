@@ -24,10 +24,11 @@ struct ShapeEdge {
   Vec3 into_second = Vec3::Zero();
 };
 
-// A face plane of a polyhedron: normal . x = offset.
-struct ShapePlane {
+// A triangle of a polyhedron's face, in the plane normal . x = offset.
+struct ShapeFacet {
+  Vec3 a, b, c;
   Vec3 normal;
-  double offset;
+  double offset = 0;
 };
 
 // What contact needs of a collision shape, in its local frame and scale.
@@ -41,7 +42,7 @@ struct ColliderShape {
   Vec3 plane_normal = Vec3::UnitY();  // plane: normal . x = plane_offset
   double plane_offset = 0;
   const btConvexShape* convex = nullptr;
-  std::vector<ShapePlane> planes;  // convex polyhedra, without margin
+  std::vector<ShapeFacet> facets;  // convex polyhedra, without margin
 
   // Corners and edges of a box; round shapes and other convex ones meet the skin face by face instead.
   std::vector<Vec3> corners;

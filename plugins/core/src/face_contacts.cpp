@@ -69,8 +69,9 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
     Vec3 weights, normal;
     double gap = 0;
     if (measure(body.end_positions_, end, line, weights, normal)) {
-      gap = line.distance - radius - margin;
-      normal = end.rotation * normal;
+      const SurfaceDistance surface = shape.distance(line.on_triangle);  // GJK's own figure is a rough one
+      gap = surface.distance - margin;
+      normal = end.rotation * surface.normal;
     } else if (at_start && measure(body.positions_, start, line, weights, normal)) {
       normal = start.rotation * normal;
       Vec3 skin = Vec3::Zero();

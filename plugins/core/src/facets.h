@@ -4,7 +4,7 @@
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
-// Face planes of a convex polyhedron, without its margin; none for round shapes.
-void add_face_planes(ColliderShape& shape);
+// The faces of a convex polyhedron, without its margin; none for round shapes.
+void add_facets(ColliderShape& shape);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI
