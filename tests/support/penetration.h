@@ -16,6 +16,18 @@
 // Slow and obvious measures of penetration, independent of the library's own contact code.
 namespace softpoint {
 
+// Distance (m) from a point to a triangle: its plane where the foot is inside, else the nearest side.
+inline double triangle_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const auto side = [&](const Vec3& u, const Vec3& v) {
+    const double t = std::clamp((p - u).dot(v - u) / (v - u).squaredNorm(), 0.0, 1.0);
+    return (p - u - t * (v - u)).norm();
+  };
+  const Vec3 n = (b - a).cross(c - a);
+  const bool above = n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 &&
+                     n.dot((a - c).cross(p - c)) >= 0;
+  return above ? std::abs(n.dot(p - a)) / n.norm() : std::min({side(a, b), side(b, c), side(c, a)});
+}
+
 // Signed distance (m, negative inside) from a world point to a rigid shape: plane, sphere, box, capsule,
 // upright cylinder, convex hull (half-spaces through every triple of its points), compound (the deepest
 // child).
@@ -57,9 +69,10 @@ inline double brute_distance(const btCollisionShape& shape, const btTransform& p
       return std::hypot(std::max(over_r, 0.0), std::max(over_y, 0.0)) +
              std::min(std::max(over_r, over_y), 0.0) - cylinder.getMargin();
     }
-    case CONVEX_HULL_SHAPE_PROXYTYPE: {  // exact inside, a lower bound of the distance outside
+    case CONVEX_HULL_SHAPE_PROXYTYPE: {  // core grown by the margin, as Bullet has it
       const auto& hull = static_cast<const btConvexHullShape&>(shape);
       double deepest = -std::numeric_limits<double>::infinity();
+      double nearest = std::numeric_limits<double>::infinity();  // to a triangle of the surface
       const int count = hull.getNumPoints();
       for (int i = 0; i < count; ++i) {
         for (int j = i + 1; j < count; ++j) {
@@ -77,10 +90,11 @@ inline double brute_distance(const btCollisionShape& shape, const btTransform& p
             }
             if (high < 1e-6) deepest = std::max(deepest, n.dot(p - a));
             if (low > -1e-6) deepest = std::max(deepest, -n.dot(p - a));
+            if (high < 1e-6 || low > -1e-6) nearest = std::min(nearest, triangle_distance(p, a, b, c));
           }
         }
       }
-      return deepest - hull.getMargin();
+      return (deepest > 0 ? nearest : deepest) - hull.getMargin();
     }
     case COMPOUND_SHAPE_PROXYTYPE: {
       const auto& compound = static_cast<const btCompoundShape&>(shape);
