@@ -6,14 +6,6 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-// Vertices this much beyond the margin become candidates: other contacts may push them in.
-constexpr double kSlackMargins = 3.0;
-// Normals whose cosine is below this belong to different sides of a shape.
-constexpr double kSameSide = 0.7;
-// Below this depth (m) the nearest surface point at the end of the step may be on the wrong side, so the
-// path of the step is followed to the point of entry instead.
-constexpr double kTrustedDepth = 5e-3;
-
 // First point of the segment from..to (shape frame) whose distance is `margin`, by conservative
 // advancement: the distance to a convex set is convex along a line. Returns false when it stays outside.
 bool entry_point(const ColliderShape& shape, const Vec3& from, const Vec3& to, double margin, Vec3& at,

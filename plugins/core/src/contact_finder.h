@@ -5,6 +5,14 @@
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
+// Features up to this many margins beyond the margin become candidates: other contacts may push them in.
+inline constexpr double kSlackMargins = 3.0;
+// Below this depth (m) the nearest surface point at the end of the step may be on the wrong side, so the path
+// of the step is followed to the point of entry instead.
+inline constexpr double kTrustedDepth = 5e-3;
+// Normals whose cosine is below this belong to different sides of a shape.
+inline constexpr double kSameSide = 0.7;
+
 // Finds the contacts of one deformable with placed shapes in the configuration that the end of the step
 // would have, so that what the solver separates stays separated after Bullet has integrated.
 class ContactFinder {

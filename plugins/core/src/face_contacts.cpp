@@ -7,10 +7,6 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-constexpr double kSlackMargins = 3.0;
-// Normals whose cosine is below this belong to different sides of a shape.
-constexpr double kSameSide = 0.7;
-
 // A face has up to nine contact points, one in each cell of a grid of barycentric weights.
 int zone(const Vec3& weights) {
   constexpr double kCells = 3.0;
