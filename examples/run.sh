@@ -35,6 +35,7 @@ status=0
 for scene in "${scenes[@]}"; do
   name=$(basename "$scene" .json)
   say "playing $name"
+  mkdir -p "out/$name"
   if build/bin/softpoint play "$scene" --out "out/$name" --metrics "out/$name/metrics.json" "${video[@]}"; then
     row "$name" played "out/$name ($(find "out/$name" -name '*.png' | wc -l) pictures$(
       find "out/$name" -name '*.mp4' -printf ', %f'))"
