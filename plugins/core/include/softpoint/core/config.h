@@ -9,6 +9,13 @@
 #define SOFTPOINT_ABI abi_float32
 #endif
 
+// What a shared library shows to programs; everything else of it is hidden.
+#if defined(__GNUC__)
+#define SOFTPOINT_API __attribute__((visibility("default")))
+#else
+#define SOFTPOINT_API
+#endif
+
 namespace softpoint::inline SOFTPOINT_ABI {
 
 inline constexpr int kVersionMajor = 0;

@@ -20,7 +20,7 @@ class DeformableSystem;
 //
 // Friction and restitution are those of btCollisionObject (setFriction, setRestitution) and combine
 // with the collider's as Bullet combines them.
-class Deformable : public btSoftBody, public Surface {
+class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
  public:
   ~Deformable() override;
   Deformable(const Deformable&) = delete;

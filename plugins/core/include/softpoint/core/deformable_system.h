@@ -21,7 +21,7 @@ struct ContactSettings {
   bool rigid_support = true;   // solve rigid-rigid contacts of touched piles together with ours
 };
 // Throws Error naming the field, its value and the permitted range.
-void check(const ContactSettings& settings);
+SOFTPOINT_API void check(const ContactSettings& settings);
 
 // One contact point of the last substep.
 struct ContactPoint {
@@ -55,7 +55,7 @@ using HandleId = long long;
 //   softpoint::DeformableSystem soft(world);
 //   soft.add(body);
 //   world.stepSimulation(dt);
-class DeformableSystem {
+class SOFTPOINT_API DeformableSystem {
  public:
   explicit DeformableSystem(btDiscreteDynamicsWorld& world, const ContactSettings& settings = {});
   ~DeformableSystem();

@@ -11,21 +11,21 @@ namespace softpoint::inline SOFTPOINT_ABI {
 
 // The one exception of this project: thrown at construction and load, never inside a step.
 // The message names the field, its value and what is permitted.
-class Error : public std::runtime_error {
+class SOFTPOINT_API Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 // Shortest text that reads back as the same double ("nan", "inf" for the non-finite).
-std::string to_text(double value);
+SOFTPOINT_API std::string to_text(double value);
 
 // Refuse a value outside [low, high], or not finite.
-void check_range(std::string_view field, double value, double low, double high);
-void check_positive(std::string_view field, double value);
-void check_not_negative(std::string_view field, double value);
-void check_finite(std::string_view field, double value);
-void check_finite(std::string_view field, const Vec3& value);
+SOFTPOINT_API void check_range(std::string_view field, double value, double low, double high);
+SOFTPOINT_API void check_positive(std::string_view field, double value);
+SOFTPOINT_API void check_not_negative(std::string_view field, double value);
+SOFTPOINT_API void check_finite(std::string_view field, double value);
+SOFTPOINT_API void check_finite(std::string_view field, const Vec3& value);
 // Refuse an index outside [0, count).
-void check_index(std::string_view field, long long index, long long count);
+SOFTPOINT_API void check_index(std::string_view field, long long index, long long count);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

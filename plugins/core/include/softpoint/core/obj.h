@@ -12,10 +12,10 @@ namespace softpoint::inline SOFTPOINT_ABI {
 // Throws Error with the file and the line for: a file that cannot be read, one without vertices or
 // faces, coordinates that are no finite numbers, corners that name no vertex, polygons of fewer than
 // three corners. The number format does not depend on the locale.
-TriangleMesh read_obj(const std::filesystem::path& path);
+SOFTPOINT_API TriangleMesh read_obj(const std::filesystem::path& path);
 
 // Write vertices and triangles so that read_obj gives back the same doubles. The file appears whole
 // or not at all. Throws Error if it cannot be written.
-void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh);
+SOFTPOINT_API void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -22,29 +22,30 @@ enum class PrismRadius {
 // Each ring is counter-clockwise seen from +z and begins at +x.
 //   vertices = sides (stacks + 1) + 2 (sides (cap_rings - 1) + 1)
 //   (16, 4, 1): 82 vertices, 160 triangles; (16, 8, 2): 178; (24, 12, 3): 410; (32, 16, 4): 738
-TriangleMesh prism(int sides, int stacks, int cap_rings, double radius, double length,
-                   PrismRadius meaning = PrismRadius::kCircumscribed);
+SOFTPOINT_API TriangleMesh prism(int sides, int stacks, int cap_rings, double radius, double length,
+                                 PrismRadius meaning = PrismRadius::kCircumscribed);
 
 // The surface of a box of edge lengths `size`, a grid of nx * ny, ny * nz and nz * nx cells on its faces.
 //   vertices = 2 (nx ny + ny nz + nz nx) + 2; cubes of 2, 3, 4, 6, 8 cells: 26, 56, 98, 218, 386
-TriangleMesh box_grid(int nx, int ny, int nz, const Vec3& size);
+SOFTPOINT_API TriangleMesh box_grid(int nx, int ny, int nz, const Vec3& size);
 
 // An open sheet in the plane z = 0, nx * ny cells, facing +z; vertex (i, j) has index j (nx + 1) + i.
-TriangleMesh square_grid(int nx, int ny, double width, double height);
+SOFTPOINT_API TriangleMesh square_grid(int nx, int ny, double width, double height);
 
 // A sphere: an icosahedron whose triangles are split in four `subdivisions` times (0 to 8).
 //   vertices = 10 * 4^subdivisions + 2: 12, 42, 162, 642, 2562
 // The vertices lie on the sphere, so the volume approaches the sphere's from below.
-TriangleMesh sphere(double radius, int subdivisions = 2);
+SOFTPOINT_API TriangleMesh sphere(double radius, int subdivisions = 2);
 
 // A sphere of meridians and parallels, poles on the z axis; `rings` parallels between the poles.
-TriangleMesh uv_sphere(double radius, int sectors, int rings);
+SOFTPOINT_API TriangleMesh uv_sphere(double radius, int sectors, int rings);
 
 // A cylinder of `length` along z between two half spheres; whole height length + 2 radius.
 // `stacks` layers on the cylinder, `rings` layers on each half sphere.
-TriangleMesh capsule(double radius, double length, int sectors = 16, int stacks = 4, int rings = 4);
+SOFTPOINT_API TriangleMesh capsule(double radius, double length, int sectors = 16, int stacks = 4,
+                                   int rings = 4);
 
 // A sphere with a spherical cavity: two shells, the inner one facing into the cavity.
-TriangleMesh hollow_sphere(double outer_radius, double inner_radius, int subdivisions = 2);
+SOFTPOINT_API TriangleMesh hollow_sphere(double outer_radius, double inner_radius, int subdivisions = 2);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -9,7 +9,7 @@ namespace softpoint::inline SOFTPOINT_ABI {
 // A triangle surface that moves and can be pushed: all that one plugin ever learns of another.
 // World frame, SI units. Spans stay valid as long as the surface itself; their contents change
 // with every step.
-class Surface {
+class SOFTPOINT_API Surface {
  public:
   virtual ~Surface() = default;
 
@@ -23,7 +23,7 @@ class Surface {
 };
 
 // Position (m) and velocity (m/s) of a barycentric point of a surface.
-Vec3 point_at(const Surface& surface, int face, const Vec3& weights);
-Vec3 velocity_at(const Surface& surface, int face, const Vec3& weights);
+SOFTPOINT_API Vec3 point_at(const Surface& surface, int face, const Vec3& weights);
+SOFTPOINT_API Vec3 velocity_at(const Surface& surface, int face, const Vec3& weights);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

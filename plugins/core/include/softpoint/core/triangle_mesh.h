@@ -38,31 +38,31 @@ inline constexpr double kMinVertexDistance = 1e-9;
 // Each refusal names the element (0-based) and what to do about it. `name` stands at the head of the
 // message (a file name, "exoskeleton", ...). Whether the surface passes through itself is not checked.
 // Cost: O(n log n), and O(shells * n) for shells whose bounding boxes nest.
-MeshReport check_closed(const TriangleMesh& mesh, const std::string& name = "mesh");
+SOFTPOINT_API MeshReport check_closed(const TriangleMesh& mesh, const std::string& name = "mesh");
 
 // The weaker check for open surfaces (cloth): as above, but edges may have one triangle only, and
 // nothing is asked of shells.
-MeshReport check_surface(const TriangleMesh& mesh, const std::string& name = "mesh");
+SOFTPOINT_API MeshReport check_surface(const TriangleMesh& mesh, const std::string& name = "mesh");
 
 // Unit normal of a triangle that is not degenerate, and its area in m^2.
-Vec3 triangle_normal(const TriangleMesh& mesh, int triangle);
-double triangle_area(const TriangleMesh& mesh, int triangle);
+SOFTPOINT_API Vec3 triangle_normal(const TriangleMesh& mesh, int triangle);
+SOFTPOINT_API double triangle_area(const TriangleMesh& mesh, int triangle);
 
 // Per vertex, a third of the area of its triangles (m^2).
-std::vector<double> vertex_areas(const TriangleMesh& mesh);
+SOFTPOINT_API std::vector<double> vertex_areas(const TriangleMesh& mesh);
 
 // Every edge once, smaller index first, in order of first appearance.
-std::vector<std::array<int, 2>> unique_edges(const TriangleMesh& mesh);
+SOFTPOINT_API std::vector<std::array<int, 2>> unique_edges(const TriangleMesh& mesh);
 
 // The volume inside (m^3; negative for a surface that is inside out) and the area (m^2).
-double signed_volume(const TriangleMesh& mesh);
-double surface_area(const TriangleMesh& mesh);
+SOFTPOINT_API double signed_volume(const TriangleMesh& mesh);
+SOFTPOINT_API double surface_area(const TriangleMesh& mesh);
 
 // x -> linear * x + offset on every vertex; triangles are turned over if `linear` mirrors.
-TriangleMesh transformed(const TriangleMesh& mesh, const Mat3& linear, const Vec3& offset);
+SOFTPOINT_API TriangleMesh transformed(const TriangleMesh& mesh, const Mat3& linear, const Vec3& offset);
 // Every triangle turned over.
-TriangleMesh flipped(const TriangleMesh& mesh);
+SOFTPOINT_API TriangleMesh flipped(const TriangleMesh& mesh);
 // Both meshes in one, `b` after `a`; nothing is welded.
-TriangleMesh merged(const TriangleMesh& a, const TriangleMesh& b);
+SOFTPOINT_API TriangleMesh merged(const TriangleMesh& a, const TriangleMesh& b);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -26,16 +26,16 @@ struct Quadrature {
   static Quadrature fine() { return {12, 0, 10, 2.5}; }
 
   // The same without zeros for a mesh of so many vertices. Throws Error for what is not permitted.
-  Quadrature resolved(int vertices) const;
+  SOFTPOINT_API Quadrature resolved(int vertices) const;
 };
 
 // Instruction sets the heavy kernels are built for. Results differ in the last digits between them and
 // are bit-identical within one.
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
-const char* name(InstructionSet set);
+SOFTPOINT_API const char* name(InstructionSet set);
 // The best one that this machine has, this library was built with, and the environment variable
 // SOFTPOINT_MAX_ISA (baseline, avx2 or avx512; anything else is ignored) allows.
-InstructionSet best_instruction_set();
+SOFTPOINT_API InstructionSet best_instruction_set();
 
 struct StiffnessSettings {
   Quadrature quadrature;
@@ -84,11 +84,11 @@ struct BoundaryStiffness {
 };
 
 // Peak of memory taken by assemble_stiffness, result included, in bytes.
-double stiffness_memory(int vertices, int triangles);
+SOFTPOINT_API double stiffness_memory(int vertices, int triangles);
 
 // Throws Error for a mesh that bounds no solid, Poisson's ratio or quadrature out of range, or a mesh
 // too large for memory (told before anything is allocated).
-std::shared_ptr<const BoundaryStiffness> assemble_stiffness(const TriangleMesh& mesh, double poisson,
-                                                            const StiffnessSettings& settings = {});
+SOFTPOINT_API std::shared_ptr<const BoundaryStiffness> assemble_stiffness(
+    const TriangleMesh& mesh, double poisson, const StiffnessSettings& settings = {});
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

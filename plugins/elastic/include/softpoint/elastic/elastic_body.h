@@ -9,7 +9,7 @@ namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
 // A free elastic body: linear elasticity in a frame that turns with it, implicit Euler by one precomputed
 // matrix. Stable for any stiffness and time step; momentum and angular momentum are kept to rounding.
-class ElasticBody final : public Deformable {
+class SOFTPOINT_API ElasticBody final : public Deformable {
  public:
   // Puts the mesh's origin at `origin` (m), turned by `rotation`, at rest and undeformed.
   explicit ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& origin = Vec3::Zero(),

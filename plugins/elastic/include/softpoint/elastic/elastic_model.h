@@ -18,7 +18,7 @@ struct ElasticSettings {
   CacheSettings cache;  // where the stiffness is kept between runs
 };
 // Throws Error naming the field, its value and the permitted range.
-void check(const ElasticSettings& settings);
+SOFTPOINT_API void check(const ElasticSettings& settings);
 
 // What all elastic bodies of one shape, material and time step share. Immutable.
 struct ElasticModel {
@@ -37,10 +37,11 @@ struct ElasticModel {
 };
 
 // Throws Error for a mesh that bounds no solid, or settings or material out of range.
-std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh, const Material& material,
-                                                       const ElasticSettings& settings = {});
+SOFTPOINT_API std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
+                                                                     const Material& material,
+                                                                     const ElasticSettings& settings = {});
 
 // (M + h^2 S)^-1 for another time step `h` (s), into `response` (3V x 3V).
-void compute_response(const ElasticModel& model, double h, std::vector<double>& response);
+SOFTPOINT_API void compute_response(const ElasticModel& model, double h, std::vector<double>& response);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

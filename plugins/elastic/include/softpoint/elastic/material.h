@@ -19,8 +19,8 @@ inline constexpr double kMinPoisson = -0.9;
 inline constexpr double kMaxPoisson = 0.49;
 
 // Throws Error naming the field, as "<name>.young" and so on.
-void check(const Material& material, std::string_view name = "material");
+SOFTPOINT_API void check(const Material& material, std::string_view name = "material");
 // The same for Poisson's ratio alone; `field` is its full name.
-void check_poisson(std::string_view field, double poisson);
+SOFTPOINT_API void check_poisson(std::string_view field, double poisson);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

@@ -63,8 +63,8 @@ struct StaticResult {
 // the traction operator. Throws Error for a mesh, material, index, or number that is not permitted, for a
 // component held at two different values, for loads that are not balanced (beyond 1e-6 of their sum)
 // along a rigid motion that nothing holds, and for a mesh too large for memory.
-StaticResult solve_statics(const StaticProblem& problem,
-                           std::shared_ptr<const BoundaryStiffness> stiffness = nullptr,
-                           const StiffnessSettings& settings = {});
+SOFTPOINT_API StaticResult solve_statics(const StaticProblem& problem,
+                                         std::shared_ptr<const BoundaryStiffness> stiffness = nullptr,
+                                         const StiffnessSettings& settings = {});
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

@@ -20,7 +20,7 @@ struct CacheSettings {
   // Oldest files are deleted when the folder's cache files exceed this; a larger matrix is not kept.
   double capacity = 512.0 * 1024 * 1024;  // bytes
 
-  static std::string default_folder();
+  SOFTPOINT_API static std::string default_folder();
 };
 
 // Since the program started, all threads.
@@ -31,17 +31,17 @@ struct CacheCounters {
   std::uint64_t written = 0;   // files written
   std::uint64_t evicted = 0;   // files deleted to stay under the capacity
 };
-CacheCounters cache_counters();
+SOFTPOINT_API CacheCounters cache_counters();
 
 // From the cache, else by assemble_stiffness, then kept. The key covers the bits of the mesh, Poisson's
 // ratio, the resolved quadrature, the instruction set and whether V^-1 W is kept. Throws only what
 // assemble_stiffness throws.
-std::shared_ptr<const BoundaryStiffness> load_or_assemble_stiffness(const TriangleMesh& mesh, double poisson,
-                                                                    const StiffnessSettings& settings = {},
-                                                                    const CacheSettings& cache = {});
+SOFTPOINT_API std::shared_ptr<const BoundaryStiffness> load_or_assemble_stiffness(
+    const TriangleMesh& mesh, double poisson, const StiffnessSettings& settings = {},
+    const CacheSettings& cache = {});
 
 // The file in which load_or_assemble_stiffness keeps this matrix; empty when the cache is off.
-std::string cache_path(const TriangleMesh& mesh, double poisson, const StiffnessSettings& settings = {},
-                       const CacheSettings& cache = {});
+SOFTPOINT_API std::string cache_path(const TriangleMesh& mesh, double poisson,
+                                     const StiffnessSettings& settings = {}, const CacheSettings& cache = {});
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

@@ -17,7 +17,7 @@ struct Camera {
 
 // Throws Error for non-finite numbers, a target at the eye, `up` along the line of sight, or a field of
 // view outside its range.
-void check(const Camera& camera);
+SOFTPOINT_API void check(const Camera& camera);
 
 // Where `point` (metres) lands in a picture of that size: pixels from the left and top edge, and the depth
 // along the line of sight in metres. A depth <= 0 means behind the eye, x and y then mean nothing.
@@ -25,10 +25,10 @@ struct Projected {
   double x = 0, y = 0;
   double depth = 0;
 };
-Projected project(const Camera& camera, int width, int height, const Vec3& point);
+SOFTPOINT_API Projected project(const Camera& camera, int width, int height, const Vec3& point);
 
 // A camera that looks along `direction` at the middle of a box in the world and shows all of it.
-Camera frame_box(const Vec3& low, const Vec3& high, const Vec3& direction, double aspect,
-                 const Vec3& up = {0.0, 1.0, 0.0}, double vertical_fov_degrees = 40.0);
+SOFTPOINT_API Camera frame_box(const Vec3& low, const Vec3& high, const Vec3& direction, double aspect,
+                               const Vec3& up = {0.0, 1.0, 0.0}, double vertical_fov_degrees = 40.0);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture

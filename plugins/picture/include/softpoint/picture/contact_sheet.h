@@ -16,7 +16,7 @@ struct ContactSheetSettings {
 
 // Frames side by side, row by row, each shrunk by a box filter and with its caption below. Keeps the small
 // pictures only.
-class ContactSheet {
+class SOFTPOINT_API ContactSheet {
  public:
   explicit ContactSheet(const ContactSheetSettings& settings = {});
 

@@ -19,7 +19,7 @@ struct DebugStyle {
 // Bullet's debug drawing, collected and then drawn by a Renderer:
 //   world.setDebugDrawer(&drawer); world.debugDrawWorld(); drawer.draw(renderer);
 // Starts in mode DBG_DrawWireframe. Bullet empties the drawer at each debugDrawWorld().
-class DebugDrawer final : public btIDebugDraw {
+class SOFTPOINT_API DebugDrawer final : public btIDebugDraw {
  public:
   explicit DebugDrawer(const DebugStyle& style = {});
 

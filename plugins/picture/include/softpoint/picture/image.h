@@ -19,7 +19,7 @@ struct Image {
   std::vector<std::uint8_t> rgba;  // 4 width height bytes
 
   Image() = default;
-  Image(int width, int height, Color fill = {});
+  SOFTPOINT_API Image(int width, int height, Color fill = {});
 
   std::uint8_t* pixel(int x, int y) { return rgba.data() + offset(x, y); }
   const std::uint8_t* pixel(int x, int y) const { return rgba.data() + offset(x, y); }
@@ -33,13 +33,13 @@ struct Image {
 
 // Each pixel of the result is the mean of the rectangle of `image` it covers (box filter, exact for
 // fractional ratios too). Only shrinks: 1 <= width <= image.width, height likewise, else Error.
-Image shrink(const Image& image, int width, int height);
+SOFTPOINT_API Image shrink(const Image& image, int width, int height);
 
 // Peak signal-to-noise ratio over red, green and blue in dB; infinite for equal pictures. Throws Error when
 // the sizes differ.
-double psnr(const Image& a, const Image& b);
+SOFTPOINT_API double psnr(const Image& a, const Image& b);
 
 // 64-bit FNV-1a of size and pixels, for golden pictures.
-std::uint64_t hash(const Image& image);
+SOFTPOINT_API std::uint64_t hash(const Image& image);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture

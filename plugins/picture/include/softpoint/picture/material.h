@@ -15,7 +15,7 @@ struct Material {
 };
 
 // The i-th of an endless row of well-distinguishable colours of even lightness (i >= 0).
-Color palette_color(int i);
+SOFTPOINT_API Color palette_color(int i);
 
 // The colours of things that never move, and of floors.
 inline constexpr Color kStaticColor{0.66F, 0.66F, 0.64F};

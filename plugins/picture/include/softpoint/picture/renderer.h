@@ -53,7 +53,7 @@ struct RenderStats {
 // context current on the calling thread, so an application with another one makes that current again.
 //
 // Errors: wrong settings, cameras, indices and calls out of turn throw Error.
-class Renderer {
+class SOFTPOINT_API Renderer {
  public:
   explicit Renderer(const RenderSettings& settings = {}, std::string_view backend = "osmesa");
   Renderer(const Renderer&) = delete;

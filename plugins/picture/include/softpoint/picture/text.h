@@ -17,9 +17,9 @@ struct TextSize {
   int width = 0, height = 0;  // pixels, backing included
 };
 
-TextSize measure_text(std::string_view text, const TextStyle& style = {});
+SOFTPOINT_API TextSize measure_text(std::string_view text, const TextStyle& style = {});
 
 // Draws onto `image`, the plate's top left corner at (x, y) pixels; what lies outside is clipped.
-void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style = {});
+SOFTPOINT_API void draw_text(Image& image, int x, int y, std::string_view text, const TextStyle& style = {});
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture

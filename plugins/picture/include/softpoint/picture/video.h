@@ -15,12 +15,12 @@ struct VideoSettings {
 };
 
 // Can `program` be started? No video otherwise; pictures always work.
-bool video_available(const std::string& program = "ffmpeg");
+SOFTPOINT_API bool video_available(const std::string& program = "ffmpeg");
 
 // An MP4 (H.264, yuv420p) written by a separate ffmpeg process that is fed raw frames. Odd sizes are padded
 // to even ones. Throws Error with the reason, and ffmpeg's own words, when the process cannot be started,
 // stops early or fails; the calling process never gets a SIGPIPE from it.
-class VideoWriter {
+class SOFTPOINT_API VideoWriter {
  public:
   // `path` is passed on as it is, without a shell: any file name will do. An existing file is replaced.
   VideoWriter(const std::string& path, int width, int height, const VideoSettings& settings = {});

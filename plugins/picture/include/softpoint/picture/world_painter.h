@@ -27,7 +27,7 @@ struct WorldStats {
 // Things that never move are grey, each other object gets a palette colour in the order it is first met.
 // Objects without contact response (sensors, ghosts) stay out of the picture until they are given a material
 // or made visible.
-class WorldPainter {
+class SOFTPOINT_API WorldPainter {
  public:
   // Keeps its meshes in `renderer`, which must outlive it.
   explicit WorldPainter(Renderer& renderer);
