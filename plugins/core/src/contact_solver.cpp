@@ -24,7 +24,7 @@ void ContactSolver::begin_step(std::span<Deformable* const> bodies, double dt) {
 void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
                                     const std::vector<Handle>& handles, Profile& profile) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    Touched& touched = touched_[b];
+    TouchedPoints& touched = touched_[b];
     const std::size_t before = touched.points.size();
     const auto touch = [&](int point) {
       if (touched.local[at(point)] < 0) {
@@ -62,21 +62,8 @@ void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const s
   }
 }
 
-// Displacement of a point of body `touched` by an impulse on touched point `local`, added to all touched
-// points.
-void ContactSolver::spread(Touched& touched, int local, const Vec3& impulse) {
-  const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
-  Eigen::Map<Eigen::VectorXd> displacement(touched.displacement.front().data(), n);
-  const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
-  const Vec3 step = dt_ * impulse;
-  displacement.noalias() += blocks.col(3 * local) * step.x();
-  displacement.noalias() += blocks.col(3 * local + 1) * step.y();
-  displacement.noalias() += blocks.col(3 * local + 2) * step.z();
-  touched.impulses[at(local)] += impulse;
-}
-
 Vec3 ContactSolver::moved(const Contact& contact, const Row& row,
-                          const std::vector<Vec3> Touched::*field) const {
+                          const std::vector<Vec3> TouchedPoints::*field) const {
   const std::vector<Vec3>& values = touched_[at(contact.body)].*field;
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < at(contact.count); ++k) {
@@ -87,15 +74,11 @@ Vec3 ContactSolver::moved(const Contact& contact, const Row& row,
 
 void ContactSolver::add_impulse(const Contact& contact, const Row& row, const Vec3& impulse,
                                 RigidStates& rigid) {
-  Touched& touched = touched_[at(contact.body)];
+  TouchedPoints& touched = touched_[at(contact.body)];
   for (std::size_t k = 0; k < at(contact.count); ++k) {
-    spread(touched, row.local[k], contact.weights[k] * impulse);
+    touched.spread(row.local[k], contact.weights[k] * impulse, dt_);
   }
-  RigidState& other = rigid[contact.rigid];
-  if (other.movable()) {
-    other.push(-impulse, contact.arm);
-    other.changed = true;
-  }
+  rigid.push(contact.rigid, -impulse, contact.arm);
 }
 
 void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
@@ -104,10 +87,8 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     Contact& contact = contacts[c];
     Row& row = rows_[c];
-    const Touched& touched = touched_[at(contact.body)];
+    const TouchedPoints& touched = touched_[at(contact.body)];
     const Deformable& body = *bodies[at(contact.body)];
-    const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
-    const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
     row.slip_base.setZero();
     for (std::size_t k = 0; k < at(contact.count); ++k) {
       const std::size_t v = at(contact.points[k]);
@@ -115,11 +96,11 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
       row.slip_base += contact.weights[k] * (body.free_positions_[v] - body.positions_[v]);
     }
     const RigidState& other = rigid[contact.rigid];
-    row.compliance = other.movable() ? other.compliance(contact.arm, contact.arm) : Mat3(Mat3::Zero());
+    row.compliance = rigid.compliance(contact.rigid, contact.arm, contact.rigid, contact.arm);
     for (std::size_t i = 0; i < at(contact.count); ++i) {
       for (std::size_t j = 0; j < at(contact.count); ++j) {
         row.compliance +=
-            contact.weights[i] * contact.weights[j] * blocks.block<3, 3>(3 * row.local[i], 3 * row.local[j]);
+            contact.weights[i] * contact.weights[j] * touched.compliance(row.local[i], row.local[j]);
       }
     }
     row.compliance *= dt_;
@@ -135,16 +116,11 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
     const double mean = 0.5 * tangent.trace();
     row.tangent_gain = 1.0 / (mean + std::sqrt(std::max(mean * mean - tangent.determinant(), 0.0)));
     // The gap was measured with the positions and velocities of the last detection; count from the free end.
-    row.gap_base =
-        contact.gap - n_.dot(moved(contact, row, &Touched::reference) - dt_ * other.velocity_of(contact.arm));
+    row.gap_base = contact.gap - n_.dot(moved(contact, row, &TouchedPoints::reference) -
+                                        dt_ * other.velocity_of(contact.arm));
   }
   // Only now start from the impulses themselves: features and weights may have changed since they acted.
-  for (int i = 0; i < rigid.size(); ++i) {
-    if (rigid[i].movable()) {
-      rigid[i].velocity = rigid[i].free_velocity;
-      rigid[i].angular_velocity = rigid[i].free_angular_velocity;
-    }
-  }
+  rigid.restart();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     Contact& contact = contacts[c];
     const double push = std::max(contact.normal.dot(contact.impulse), 0.0);
@@ -161,18 +137,7 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
     contact.impulse = push * contact.normal + friction;
     add_impulse(contact, rows_[c], contact.impulse, rigid);
   }
-  handle_rows_.resize(handles.size());
-  for (std::size_t h = 0; h < handles.size(); ++h) {
-    const Handle& handle = handles[h];
-    Touched& touched = touched_[at(handle.body)];
-    const Eigen::Index n = static_cast<Eigen::Index>(3 * touched.points.size());
-    const Eigen::Map<const Eigen::MatrixXd> blocks(touched.blocks.data(), n, n);
-    HandleRow& row = handle_rows_[h];
-    row.local = touched.local[at(handle.point)];
-    row.inverse = (dt_ * blocks.block<3, 3>(3 * row.local, 3 * row.local)).inverse();
-    row.base = bodies[at(handle.body)]->free_positions_[at(handle.point)] - handle.target;
-    spread(touched, row.local, handle.impulse);
-  }
+  handle_solver_.prepare(handles, bodies, touched_, dt_);
 }
 
 double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid) {
@@ -184,8 +149,8 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
     }
     const Row& row = rows_[c];
     const Vec3& n = contact.normal;
-    const Vec3 motion =
-        moved(contact, row, &Touched::displacement) - dt_ * rigid[contact.rigid].velocity_of(contact.arm);
+    const Vec3 motion = moved(contact, row, &TouchedPoints::displacement) -
+                        dt_ * rigid[contact.rigid].velocity_of(contact.arm);
     // Signorini: gap >= 0, push >= 0, one of them zero.
     const double gap = row.gap_base + n.dot(motion) - dt_ * contact.rebound;
     const double push = n.dot(contact.impulse);
@@ -222,32 +187,8 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
   return largest;
 }
 
-double ContactSolver::sweep_handles(std::vector<Handle>& handles) {
-  double largest = 0.0;
-  for (std::size_t h = 0; h < handles.size(); ++h) {
-    Handle& handle = handles[h];
-    const HandleRow& row = handle_rows_[h];
-    Touched& touched = touched_[at(handle.body)];
-    const Vec3 error = row.base + touched.displacement[at(row.local)];
-    Vec3 impulse = handle.impulse - row.inverse * error;
-    const double limit = handle.max_force * dt_, length = impulse.norm();
-    if (length > limit) {
-      impulse *= limit / length;
-    }
-    const Vec3 change = impulse - handle.impulse;
-    handle.impulse = impulse;
-    spread(touched, row.local, change);
-    handle.unreached = limit > length && error.norm() > 1e-5;
-    // A handle is to be exact, so it is asked for ten times more than a contact.
-    largest = std::max(largest, limit > length ? 10.0 * error.norm() : 0.0);
-  }
-  return largest;
-}
-
 void ContactSolver::move_all(std::span<Deformable* const> bodies, RigidStates& rigid) {
-  for (int i = 0; i < rigid.size(); ++i) {
-    rigid[i].integrate(dt_);
-  }
+  rigid.integrate(dt_);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!touched_[b].points.empty()) {
       bodies[b]->respond(touched_[b].points, touched_[b].impulses);
@@ -274,7 +215,8 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
   support.reapply(rigid);
   for (int i = 0; i < settings.max_iterations; ++i) {
     double change = sweep_contacts(contacts, rigid);
-    change = std::max(change, sweep_handles(handles));
+    // A handle is to be exact, so it is asked for ten times more than a contact.
+    change = std::max(change, 10.0 * handle_solver_.sweep(handles, touched_));
     change = std::max(change, support.sweep(rigid, dt_));
     ++profile.counts.iterations;
     profile.counts.residual = change;

@@ -3,21 +3,12 @@
 #include <span>
 
 #include "contact.h"
+#include "handle_solver.h"
 #include "softpoint/core/deformable_system.h"
 #include "support_contacts.h"
+#include "touched_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
-
-// A point of a deformable held at a target (DeformableSystem::grab).
-struct Handle {
-  HandleId id = 0;
-  int body = 0;
-  int point = 0;
-  Vec3 target = Vec3::Zero();   // m
-  double max_force = 0;         // N
-  Vec3 impulse = Vec3::Zero();  // N s on the body over the substep
-  bool unreached = false;       // the point was not brought to the target although force is left
-};
 
 // Impulses between deformables, colliders and handles that make the end of the step free of penetration:
 // Signorini's condition and Coulomb's cone per contact, by projected Gauss-Seidel over the exact
@@ -36,15 +27,6 @@ class ContactSolver {
              const ContactSettings& settings, Profile& profile);
 
  private:
-  // Touched points of one body and their compliance.
-  struct Touched {
-    std::vector<int> points;         // vertex indices, ascending
-    std::vector<int> local;          // vertex -> index in `points`, -1 elsewhere
-    std::vector<double> blocks;      // 3n x 3n column-major, velocity per impulse
-    std::vector<Vec3> displacement;  // of each touched point by impulses, m
-    std::vector<Vec3> reference;     // the same at the last detection
-    std::vector<Vec3> impulses;      // sum per touched point, N s
-  };
   // A contact ready for sweeping.
   struct Row {
     std::array<int, 3> local{};
@@ -56,27 +38,20 @@ class ContactSolver {
     double gap_base = 0;            // gap without any motion counted from the free end
     Vec3 slip_base = Vec3::Zero();  // free motion of the contact point over the step
   };
-  struct HandleRow {
-    int local = 0;
-    Mat3 inverse;
-    Vec3 base = Vec3::Zero();  // free end minus target
-  };
 
   void collect_touched(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
                        const std::vector<Handle>& handles, Profile& profile);
   void prepare_rows(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
                     std::vector<Handle>& handles, RigidStates& rigid);
-  Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> Touched::*field) const;
+  Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> TouchedPoints::*field) const;
   void add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid);
-  void spread(Touched& touched, int local, const Vec3& impulse);
   void move_all(std::span<Deformable* const> bodies, RigidStates& rigid);
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
-  double sweep_handles(std::vector<Handle>& handles);
 
   double dt_ = 0;
-  std::vector<Touched> touched_;
+  std::vector<TouchedPoints> touched_;
   std::vector<Row> rows_;
-  std::vector<HandleRow> handle_rows_;
+  HandleSolver handle_solver_;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -118,15 +118,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   }
   profile.counts.support_points = support_.size();
   for (const Contact& contact : contacts_.all()) {
-    if (rigid_[contact.rigid].movable()) {
-      RigidState& state = rigid_[contact.rigid];
-      std::swap(state.velocity, state.free_velocity);
-      std::swap(state.angular_velocity, state.free_angular_velocity);
-      state.push(contact.impulse, contact.arm);  // what open_substep had taken
-      state.changed = true;
-      std::swap(state.velocity, state.free_velocity);
-      std::swap(state.angular_velocity, state.free_angular_velocity);
-    }
+    rigid_.push_free(contact.rigid, contact.impulse, contact.arm);  // what open_substep had taken
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     profile.counts.without_pairs +=

@@ -63,6 +63,49 @@ int RigidStates::find_or_add(const btCollisionObject* object, double dt) {
   return size() - 1;
 }
 
+void RigidStates::push(int index, const Vec3& impulse, const Vec3& arm) {
+  RigidState& state = (*this)[index];
+  if (state.body == nullptr || impulse == Vec3::Zero()) {
+    return;
+  }
+  state.velocity += state.inverse_mass.cwiseProduct(impulse);
+  state.angular_velocity += state.inverse_inertia * arm.cross(impulse);
+  state.changed = true;
+}
+
+void RigidStates::push_free(int index, const Vec3& impulse, const Vec3& arm) {
+  RigidState& state = (*this)[index];
+  if (state.body == nullptr) {
+    return;
+  }
+  state.free_velocity += state.inverse_mass.cwiseProduct(impulse);
+  state.free_angular_velocity += state.inverse_inertia * arm.cross(impulse);
+  push(index, impulse, arm);
+}
+
+Mat3 RigidStates::compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b) const {
+  const RigidState& state = (*this)[a];
+  if (a != b || state.body == nullptr) {
+    return Mat3::Zero();
+  }
+  Mat3 result = -cross_matrix(arm_a) * state.inverse_inertia * cross_matrix(arm_b);
+  result.diagonal() += state.inverse_mass;
+  return result;
+}
+
+void RigidStates::restart() {
+  for (RigidState& state : states_) {
+    state.velocity = state.free_velocity;
+    state.angular_velocity = state.free_angular_velocity;
+  }
+}
+
+void RigidStates::integrate(double dt) {
+  for (RigidState& state : states_) {
+    state.integrate(dt);
+  }
+}
+
 void RigidStates::write_back() {
   for (RigidState& state : states_) {
     if (state.body == nullptr || !state.changed) {

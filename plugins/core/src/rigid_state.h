@@ -25,17 +25,6 @@ struct RigidState {
 
   bool movable() const { return body != nullptr; }
   Vec3 velocity_of(const Vec3& arm) const { return velocity + angular_velocity.cross(arm); }
-  // Impulse (N s) at `arm` (m) from the centre of mass.
-  void push(const Vec3& impulse, const Vec3& arm) {
-    velocity += inverse_mass.cwiseProduct(impulse);
-    angular_velocity += inverse_inertia * arm.cross(impulse);
-  }
-  // d(velocity at arm_a) / d(impulse at arm_b).
-  Mat3 compliance(const Vec3& arm_a, const Vec3& arm_b) const {
-    Mat3 result = -cross_matrix(arm_a) * inverse_inertia * cross_matrix(arm_b);
-    result.diagonal() += inverse_mass;
-    return result;
-  }
   // Where btTransformUtil::integrateTransform will put the body after `dt`.
   void integrate(double dt);
 };
@@ -50,6 +39,19 @@ class RigidStates {
   RigidState& operator[](int index) { return states_[static_cast<std::size_t>(index)]; }
   const RigidState& operator[](int index) const { return states_[static_cast<std::size_t>(index)]; }
   int size() const { return static_cast<int>(states_.size()); }
+
+  // Impulse (N s) on an object at `arm` (m) from its centre of mass. Changes the velocities of every object
+  // that is joined to it. Nothing when the object is not movable.
+  void push(int index, const Vec3& impulse, const Vec3& arm);
+  // The same for the free velocities, and the velocities with them.
+  void push_free(int index, const Vec3& impulse, const Vec3& arm);
+  // d(velocity of object a at arm_a) / d(impulse on object b at arm_b), 1/kg. Zero between objects that are
+  // not joined.
+  Mat3 compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b) const;
+  // All velocities back to the free ones.
+  void restart();
+  // End poses by the present velocities.
+  void integrate(double dt);
   // Hand the changed velocities to Bullet, waking what sleeps.
   void write_back();
 

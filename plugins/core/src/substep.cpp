@@ -78,10 +78,7 @@ void DeformableSystem::Impl::open_substep(double dt) {
       contact.arm += contact.weights[k] * body.points()[static_cast<std::size_t>(contact.points[k])];
     }
     contact.rigid = rigid_.find_or_add(contact.object, dt);
-    if (rigid_[contact.rigid].movable()) {
-      rigid_[contact.rigid].push(-contact.impulse, contact.arm);
-      rigid_[contact.rigid].changed = true;
-    }
+    rigid_.push(contact.rigid, -contact.impulse, contact.arm);
   }
   rigid_.write_back();
   rigid_.clear();

@@ -8,9 +8,11 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-double gain(const RigidState& a, const RigidState& b, const Vec3& arm_a, const Vec3& arm_b,
-            const Vec3& axis) {
-  const double k = axis.dot(a.compliance(arm_a, arm_a) * axis) + axis.dot(b.compliance(arm_b, arm_b) * axis);
+// 1 / (relative velocity along `axis` per impulse pair along it).
+double gain(const RigidStates& rigid, int a, int b, const Vec3& arm_a, const Vec3& arm_b, const Vec3& axis) {
+  const Mat3 relative = rigid.compliance(a, arm_a, a, arm_a) + rigid.compliance(b, arm_b, b, arm_b) -
+                        rigid.compliance(a, arm_a, b, arm_b) - rigid.compliance(b, arm_b, a, arm_a);
+  const double k = axis.dot(relative * axis);
   return k > 0.0 ? 1.0 / k : 0.0;
 }
 
@@ -53,7 +55,7 @@ void SupportContacts::add(btManifoldPoint& point, int a, int b, const RigidState
   row.arm_a = from_bullet(point.getPositionWorldOnA()) - rigid[a].start.origin;
   row.arm_b = from_bullet(point.getPositionWorldOnB()) - rigid[b].start.origin;
   row.normal = from_bullet(point.m_normalWorldOnB).normalized();
-  row.gain = gain(rigid[a], rigid[b], row.arm_a, row.arm_b, row.normal);
+  row.gain = gain(rigid, a, b, row.arm_a, row.arm_b, row.normal);
   if (row.gain == 0.0) {
     return;
   }
@@ -74,7 +76,7 @@ void SupportContacts::add(btManifoldPoint& point, int a, int b, const RigidState
   const Vec3 lateral = double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
                        double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2);
   for (std::size_t t = 0; t < 2; ++t) {
-    row.tangent_gain[t] = gain(rigid[a], rigid[b], row.arm_a, row.arm_b, row.tangents[t]);
+    row.tangent_gain[t] = gain(rigid, a, b, row.arm_a, row.arm_b, row.tangents[t]);
     row.friction_impulse[t] = row.tangents[t].dot(lateral);
   }
   row.bullet_impulse = row.impulse;
@@ -88,26 +90,22 @@ void SupportContacts::reapply(RigidStates& rigid) const {
     for (std::size_t t = 0; t < 2; ++t) {
       change += (row.friction_impulse[t] - row.bullet_friction[t]) * row.tangents[t];
     }
-    if (rigid[row.a].movable()) rigid[row.a].push(change, row.arm_a);
-    if (rigid[row.b].movable()) rigid[row.b].push(-change, row.arm_b);
+    rigid.push(row.a, change, row.arm_a);
+    rigid.push(row.b, -change, row.arm_b);
   }
 }
 
 double SupportContacts::sweep(RigidStates& rigid, double dt) {
   double largest = 0.0;
   for (Row& row : rows_) {
-    RigidState& a = rigid[row.a];
-    RigidState& b = rigid[row.b];
     const auto apply = [&](const Vec3& axis, double change) {
-      if (change == 0.0) {
-        return;
+      if (change != 0.0) {
+        rigid.push(row.a, change * axis, row.arm_a);
+        rigid.push(row.b, -change * axis, row.arm_b);
       }
-      if (a.movable()) a.push(change * axis, row.arm_a);
-      if (b.movable()) b.push(-change * axis, row.arm_b);
-      a.changed = b.changed = true;
     };
     const auto speed = [&](const Vec3& axis) {
-      return axis.dot(a.velocity_of(row.arm_a) - b.velocity_of(row.arm_b));
+      return axis.dot(rigid[row.a].velocity_of(row.arm_a) - rigid[row.b].velocity_of(row.arm_b));
     };
     const double wanted = row.impulse + (row.floor_speed - speed(row.normal)) * row.gain;
     const double change = std::max(wanted, 0.0) - row.impulse;

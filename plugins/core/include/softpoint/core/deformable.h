@@ -88,6 +88,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   friend class DeformableSystem;
   friend class ContactFinder;
   friend class ContactSolver;
+  friend class HandleSolver;
 
   void begin(double dt, const Vec3& gravity);
   void finish(double dt);
