@@ -12,7 +12,9 @@ namespace softpoint::inline SOFTPOINT_ABI {
 
 // One substep, as Bullet calls it: pair_found for every near pair during collision detection, all_solved
 // before Bullet integrates positions, updateAction after.
-struct DeformableSystem::Impl final : PairListener, SolvedListener, btActionInterface {
+struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : PairListener,
+                                                                            SolvedListener,
+                                                                            btActionInterface {
   Impl(btDiscreteDynamicsWorld& world, const ContactSettings& settings);
   ~Impl() override;
 

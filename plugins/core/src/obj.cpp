@@ -1,5 +1,9 @@
 #include "softpoint/core/obj.h"
 
+// Numbers are double in the library that is linked.
+#if !defined(TINYOBJLOADER_USE_DOUBLE)
+#define TINYOBJLOADER_USE_DOUBLE
+#endif
 #include <tiny_obj_loader.h>
 
 #include <algorithm>

@@ -29,7 +29,7 @@ struct CurrentContext {
   std::unique_ptr<GlContext> context;
 };
 
-class Renderer::Impl {
+class __attribute__((visibility("hidden"))) Renderer::Impl {
  public:
   Impl(const RenderSettings& render_settings, std::string_view backend);
   ~Impl();

@@ -15,7 +15,7 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 
-class WorldPainter::Impl {
+class __attribute__((visibility("hidden"))) WorldPainter::Impl {
  public:
   explicit Impl(Renderer& target) : renderer(target), shapes(target), soft_bodies(target) {}
 
