@@ -18,6 +18,9 @@ cd "$softpoint_root"
 started=$SECONDS
 softpoint_install required "${softpoint_required[@]}" "${softpoint_required_for_tests[@]}"
 softpoint_install optional "${softpoint_optional[@]}"
+if [ $full = 1 ]; then
+  softpoint_install optional "${softpoint_optional_for_full_tests[@]}"
+fi
 
 # Tests must neither read nor fill the cache of the user who runs them.
 SOFTPOINT_CACHE_DIR=$(mktemp -d)

@@ -50,6 +50,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
 
   // Bullet's own serializer writes past its struct in double precision; ours refuses to take part.
   int calculateSerializeBufferSize() const override;
+  // As a plain collision object, without nodes and faces.
   const char* serialize(void* buffer, btSerializer* serializer) const override;
 
  protected:
@@ -80,9 +81,9 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   std::vector<Vec3> end_positions_;   // m, at the end of the step as known so far
   std::vector<Vec3> impulse_points_;  // m, where the torque of impulses is counted; predict() may move them
   std::vector<Vec3> free_positions_;  // m, what predict() left in end_positions_
-  std::vector<double> masses_;
-  std::vector<Triangle> triangles_;
-  long long refactorizations_ = 0;
+  std::vector<double> masses_;        // kg, one per point
+  std::vector<Triangle> triangles_;   // counter-clockwise seen from outside
+  long long refactorizations_ = 0;    // times the plugin made its response anew, for the profile
 
  private:
   friend class DeformableSystem;

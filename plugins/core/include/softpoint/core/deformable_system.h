@@ -25,20 +25,20 @@ SOFTPOINT_API void check(const ContactSettings& settings);
 
 // One contact point of the last substep.
 struct ContactPoint {
-  const Deformable* body = nullptr;
-  const btCollisionObject* other = nullptr;
-  Vec3 point = Vec3::Zero();   // m, world, on the skin
-  Vec3 normal = Vec3::Zero();  // from the collider towards the body
-  Vec3 force = Vec3::Zero();   // N on the body, mean over the substep; the collider feels its opposite
-  double gap = 0;              // m, negative in penetration
+  const Deformable* body = nullptr;          // whose skin is touched
+  const btCollisionObject* other = nullptr;  // the collider
+  Vec3 point = Vec3::Zero();                 // m, world, on the skin
+  Vec3 normal = Vec3::Zero();                // from the collider towards the body
+  Vec3 force = Vec3::Zero();  // N on the body, mean over the substep; the collider feels its opposite
+  double gap = 0;             // m, negative in penetration
 };
 
 // A point of a deformable met by a ray.
 struct RayHit {
-  Deformable* body = nullptr;
-  int face = -1;
-  int point = -1;  // the face's vertex nearest to the hit
-  Vec3 weights = Vec3::Zero();
+  Deformable* body = nullptr;    // met first
+  int face = -1;                 // of it
+  int point = -1;                // the face's vertex nearest to the hit
+  Vec3 weights = Vec3::Zero();   // barycentric, in the face
   Vec3 position = Vec3::Zero();  // m
   double fraction = 0;           // 0 at `from`, 1 at `to`
 };
@@ -57,6 +57,7 @@ using HandleId = long long;
 //   world.stepSimulation(dt);
 class SOFTPOINT_API DeformableSystem {
  public:
+  // Throws Error for settings out of range and for a world whose dispatcher is no btCollisionDispatcher.
   explicit DeformableSystem(btDiscreteDynamicsWorld& world, const ContactSettings& settings = {});
   ~DeformableSystem();
   DeformableSystem(const DeformableSystem&) = delete;
@@ -65,7 +66,9 @@ class SOFTPOINT_API DeformableSystem {
   // The body stays the caller's; destroying it removes it.
   void add(Deformable& body, int group = btBroadphaseProxy::DefaultFilter,
            int mask = btBroadphaseProxy::AllFilter);
+  // Takes it out of the world and lets go of its handles.
   void remove(Deformable& body);
+  // In the order in which they were added.
   std::span<Deformable* const> bodies() const;
 
   // Nearest face hit by the segment from..to (m), in any world.
@@ -75,7 +78,9 @@ class SOFTPOINT_API DeformableSystem {
   // limits its pull, infinity makes it a pin that is moved exactly. Where several hold one point, all pull.
   HandleId grab(Deformable& body, int point, const Vec3& target,
                 double max_force = std::numeric_limits<double>::infinity());
+  // A new target (m), for the steps to come.
   void move(HandleId handle, const Vec3& target);
+  // Lets go.
   void release(HandleId handle);
   // Force of a handle on its body in the last substep (N).
   Vec3 handle_force(HandleId handle) const;
@@ -83,10 +88,11 @@ class SOFTPOINT_API DeformableSystem {
   // Contact points of the last substep that pushed.
   std::span<const ContactPoint> contacts() const;
 
-  const Profile& profile() const;
-  const ContactSettings& settings() const;
+  const Profile& profile() const;           // of the last substep, and totals
+  const ContactSettings& settings() const;  // in force
+  // From the next substep on. Throws Error for what is out of range.
   void set_settings(const ContactSettings& settings);
-  btDiscreteDynamicsWorld& world() const;
+  btDiscreteDynamicsWorld& world() const;  // the one attached to
 
  private:
   struct Impl;

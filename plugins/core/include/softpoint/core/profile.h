@@ -16,11 +16,12 @@ struct Profile {
     double solve = 0;       // impulses
     double commit = 0;      // new positions and velocities, guard
     double mirror = 0;      // copy into Bullet's nodes, faces and bounds
+    // Sum of the stages.
     double total() const { return predict + detect + compliance + solve + commit + mirror; }
   };
   // Work of the last substep.
   struct Counts {
-    int deformables = 0;
+    int deformables = 0;       // in the system
     int without_pairs = 0;     // deformables that skipped detection: nothing was near
     int without_contacts = 0;  // deformables that skipped compliance: nothing touched
     int pairs = 0;             // (deformable, collider) pairs the broadphase let through
@@ -28,26 +29,28 @@ struct Profile {
     int swept_queries = 0;     // bodies that move farther than the broadphase knew
     int contacts = 0;          // contact points handed to the solver in the last pass
     int support_points = 0;    // rigid-rigid contact points re-solved together with ours
-    int handles = 0;
-    int passes = 0;       // detection and solution rounds
-    int iterations = 0;   // Gauss-Seidel sweeps over all passes
-    double residual = 0;  // m, last change of a contact point in the last sweep
+    int handles = 0;           // held points
+    int passes = 0;            // detection and solution rounds
+    int iterations = 0;        // Gauss-Seidel sweeps over all passes
+    double residual = 0;       // m, last change of a contact point in the last sweep
   };
+  // Sums over all substeps.
   struct Totals {
-    long long substeps = 0;
+    long long substeps = 0;          // since the system was attached
     long long guard_fired = 0;       // times a body was put back because a number was not finite
     long long late_substeps = 0;     // substeps solved after integration: the solver tap was not called
     long long refactorizations = 0;  // response matrices made anew because the time step changed
   };
 
-  Seconds seconds;
-  Counts counts;
-  Totals totals;
+  Seconds seconds;  // of the last substep
+  Counts counts;    // of the last substep
+  Totals totals;    // of all
 };
 
 // Adds the wall time of its own life to a field of Profile::Seconds.
 class StageTimer {
  public:
+  // Starts the clock; adds to `sum` (s) when destroyed.
   explicit StageTimer(double& sum) : sum_(sum), start_(Clock::now()) {}
   ~StageTimer() { sum_ += std::chrono::duration<double>(Clock::now() - start_).count(); }
   StageTimer(const StageTimer&) = delete;

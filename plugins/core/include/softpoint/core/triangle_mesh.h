@@ -13,7 +13,9 @@ struct TriangleMesh {
   std::vector<Vec3> vertices;       // metres
   std::vector<Triangle> triangles;  // indices into `vertices`
 
+  // Number of vertices.
   int vertex_count() const { return static_cast<int>(vertices.size()); }
+  // Number of triangles.
   int triangle_count() const { return static_cast<int>(triangles.size()); }
 };
 

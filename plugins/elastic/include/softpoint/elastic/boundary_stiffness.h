@@ -22,7 +22,9 @@ struct Quadrature {
   int near_graded_order = 0;   // n = 2 to 16: 3 n^2 points graded towards edges and corners; 0: plain
   double near_distance = 1.5;  // 1 to 10
 
+  // Few points, for speed.
   static Quadrature coarse() { return {3, 12, 0, 1.5}; }
+  // Many points, for references.
   static Quadrature fine() { return {12, 0, 10, 2.5}; }
 
   // The same without zeros for a mesh of so many vertices. Throws Error for what is not permitted.
@@ -32,25 +34,28 @@ struct Quadrature {
 // Instruction sets the heavy kernels are built for. Results differ in the last digits between them and
 // are bit-identical within one.
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
+// "baseline", "avx2", "avx512".
 SOFTPOINT_API const char* name(InstructionSet set);
 // The best one that this machine has, this library was built with, and the environment variable
 // SOFTPOINT_MAX_ISA (baseline, avx2 or avx512; anything else is ignored) allows.
 SOFTPOINT_API InstructionSet best_instruction_set();
 
+// How stiffness is assembled.
 struct StiffnessSettings {
-  Quadrature quadrature;
+  Quadrature quadrature;       // accuracy
   bool keep_traction = false;  // keep V^-1 W too: 3F x 3V doubles and about half as much time again
-  InstructionSet max_instruction_set = InstructionSet::kAvx512;
+  InstructionSet max_instruction_set = InstructionSet::kAvx512;  // none beyond it is used
   double memory_limit = 0;  // bytes; 0: what /proc/meminfo calls available
 };
 
-struct StiffnessSeconds {   // wall time by stage, s
+// Wall time by stage, s.
+struct StiffnessSeconds {
   double quadrature = 0;    // double and single layers of all pairs of triangles
   double assembly = 0;      // V, W and D
   double condensation = 0;  // D + W^T V^-1 W
   double correction = 0;    // affine correction, gravity columns
   double cache = 0;         // reading or writing the cache file
-  double total = 0;
+  double total = 0;         // of all
 };
 
 // Immutable once made; share it between bodies of one shape and Poisson's ratio. Both Young's modulus
@@ -59,10 +64,10 @@ struct StiffnessSeconds {   // wall time by stage, s
 //
 // Degrees of freedom are vertex-major: 3 v + {0, 1, 2} for x, y, z of vertex v.
 struct BoundaryStiffness {
-  TriangleMesh mesh;
-  double poisson = 0;
-  Quadrature quadrature;  // without zeros
-  InstructionSet instruction_set = InstructionSet::kBaseline;
+  TriangleMesh mesh;                                           // as given
+  double poisson = 0;                                          // as given
+  Quadrature quadrature;                                       // without zeros
+  InstructionSet instruction_set = InstructionSet::kBaseline;  // that assembled it
 
   // S for a Young's modulus of 1 Pa: 3V x 3V, symmetric (bit for bit), m. Nodal forces f = E S u in N,
   // positive when they act on the solid along u. Rigid motions are its null space and affine
@@ -77,9 +82,10 @@ struct BoundaryStiffness {
   // constant over each triangle, without body force; rows 3 f + {0, 1, 2}.
   std::vector<double> unit_traction;
 
-  StiffnessSeconds seconds;
-  bool from_cache = false;
+  StiffnessSeconds seconds;  // what it took
+  bool from_cache = false;   // read from a file, not assembled
 
+  // Degrees of freedom, 3V.
   int dofs() const { return 3 * mesh.vertex_count(); }
 };
 

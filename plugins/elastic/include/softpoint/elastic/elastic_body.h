@@ -18,6 +18,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   // Rigid velocity: `linear` (m/s) of the centre of mass, `angular` (rad/s) about it. Keeps the shape.
   void set_velocity(const Vec3& linear, const Vec3& angular = Vec3::Zero());
 
+  // Shared with other bodies.
   const ElasticModel& model() const { return *model_; }
   // The turning frame that fits the present shape best; columns are its axes in the world.
   Mat3 frame() const;

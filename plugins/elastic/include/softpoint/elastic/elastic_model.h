@@ -10,29 +10,31 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
+// How a model is made.
 struct ElasticSettings {
   // s, the fixed step of the world (the third argument of stepSimulation), 1e-6 to 1. A body stepped with
   // another one works too, but factors its response anew whenever the step changes.
   double time_step = 1.0 / 60.0;
-  StiffnessSettings stiffness;
-  CacheSettings cache;  // where the stiffness is kept between runs
+  StiffnessSettings stiffness;  // accuracy and memory of the assembly
+  CacheSettings cache;          // where the stiffness is kept between runs
 };
 // Throws Error naming the field, its value and the permitted range.
 SOFTPOINT_API void check(const ElasticSettings& settings);
 
 // What all elastic bodies of one shape, material and time step share. Immutable.
 struct ElasticModel {
-  TriangleMesh mesh;  // as given
-  Material material;
+  TriangleMesh mesh;           // as given
+  Material material;           // as given
   double time_step = 0;        // s, of `response`
   double volume = 0;           // m^3
   std::vector<double> masses;  // kg per vertex: density x volume, shared out by surface area
   std::vector<Vec3> rest;      // m, vertices from the centre of mass (X)
   std::vector<Vec3> normals;   // outward unit normals of the rest shape at the vertices
   Vec3 center = Vec3::Zero();  // m, centre of mass in the mesh's frame
-  std::shared_ptr<const BoundaryStiffness> stiffness;
-  std::vector<double> response;  // (M + h^2 S)^-1, 3V x 3V, m/s per N s
+  std::shared_ptr<const BoundaryStiffness> stiffness;  // for a Young's modulus of 1 Pa
+  std::vector<double> response;                        // (M + h^2 S)^-1, 3V x 3V, m/s per N s
 
+  // Degrees of freedom, 3V.
   int dofs() const { return 3 * mesh.vertex_count(); }
 };
 

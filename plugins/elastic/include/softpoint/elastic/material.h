@@ -16,6 +16,7 @@ struct Material {
 // Thermodynamics permits -1 to 1/2, both excluded. Towards 1/2 linear boundary elements lock:
 // 4 % error at 0.49, 24 % at 0.4999 (82 vertices); towards -1 the shear modulus grows without bound.
 inline constexpr double kMinPoisson = -0.9;
+// Largest Poisson's ratio permitted.
 inline constexpr double kMaxPoisson = 0.49;
 
 // Throws Error naming the field, as "<name>.young" and so on.

@@ -16,32 +16,34 @@ namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
 // Vertices held at a displacement from their place in the mesh, m; an empty component is free.
 struct HeldVertices {
-  std::vector<int> vertices;  // 0-based
-  std::array<std::optional<double>, 3> value;
+  std::vector<int> vertices;                   // 0-based
+  std::array<std::optional<double>, 3> value;  // m, along x, y, z
 };
 
 // A uniform traction (force per area, Pa) on some triangles; several on one triangle add up.
 struct FaceTraction {
-  std::vector<int> faces;  // 0-based
-  Vec3 value = Vec3::Zero();
+  std::vector<int> faces;     // 0-based
+  Vec3 value = Vec3::Zero();  // Pa
 };
 
 // All that is neither held nor loaded is free of force.
 struct StaticProblem {
-  TriangleMesh mesh;  // metres
-  Material material;
-  std::vector<HeldVertices> displacement;
-  std::vector<FaceTraction> traction;
-  Vec3 gravity = Vec3::Zero();  // m/s^2, in the frame of the mesh
+  TriangleMesh mesh;                       // metres
+  Material material;                       // of the whole solid; its density counts with gravity only
+  std::vector<HeldVertices> displacement;  // what is held
+  std::vector<FaceTraction> traction;      // what pushes
+  Vec3 gravity = Vec3::Zero();             // m/s^2, in the frame of the mesh
 };
 
-struct StaticSeconds {  // wall time by stage, s
-  StiffnessSeconds stiffness;
-  double solve = 0;
-  double traction = 0;
-  double total = 0;
+// Wall time by stage, s.
+struct StaticSeconds {
+  StiffnessSeconds stiffness;  // its assembly
+  double solve = 0;            // displacements
+  double traction = 0;         // tractions and energy
+  double total = 0;            // of all
 };
 
+// What solve_statics finds.
 struct StaticResult {
   std::vector<Vec3> displacement;  // one a vertex, m
   // One a vertex, N. At a held component the force of whatever holds it, without the share of tractions
@@ -56,7 +58,7 @@ struct StaticResult {
   // Rigid motions that nothing held: 0 to 6. The displacement then has no part along them, in the mean
   // over the surface's area.
   int free_rigid_motions = 0;
-  StaticSeconds seconds;
+  StaticSeconds seconds;  // what it took
 };
 
 // `stiffness` saves its assembly when given; it must belong to the same mesh and Poisson's ratio and hold

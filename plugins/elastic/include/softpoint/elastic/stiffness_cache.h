@@ -12,6 +12,7 @@
 // only: the matrix is then assembled anew.
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
+// Where stiffness is kept, and how much of it.
 struct CacheSettings {
   // Folder of the cache files; empty switches the cache off. The default is the environment variable
   // SOFTPOINT_CACHE_DIR if set (empty: off), else $XDG_CACHE_HOME/softpoint, else
@@ -20,6 +21,7 @@ struct CacheSettings {
   // Oldest files are deleted when the folder's cache files exceed this; a larger matrix is not kept.
   double capacity = 512.0 * 1024 * 1024;  // bytes
 
+  // What the environment says, as above.
   SOFTPOINT_API static std::string default_folder();
 };
 
@@ -31,6 +33,7 @@ struct CacheCounters {
   std::uint64_t written = 0;   // files written
   std::uint64_t evicted = 0;   // files deleted to stay under the capacity
 };
+// As they stand.
 SOFTPOINT_API CacheCounters cache_counters();
 
 // From the cache, else by assemble_stiffness, then kept. The key covers the bits of the mesh, Poisson's

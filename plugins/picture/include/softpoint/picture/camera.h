@@ -9,9 +9,9 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 // A pinhole camera in the world frame (right-handed). `up` is the world's up, which also orients sky and
 // light; it need not stand at right angles to the line of sight. Near and far planes follow the scene.
 struct Camera {
-  Vec3 eye{4.0, 3.0, 6.0};     // metres
-  Vec3 target{0.0, 0.5, 0.0};  // metres
-  Vec3 up{0.0, 1.0, 0.0};
+  Vec3 eye{4.0, 3.0, 6.0};             // metres
+  Vec3 target{0.0, 0.5, 0.0};          // metres
+  Vec3 up{0.0, 1.0, 0.0};              // any length
   double vertical_fov_degrees = 40.0;  // 1 to 150
 };
 
@@ -22,8 +22,9 @@ SOFTPOINT_API void check(const Camera& camera);
 // Where `point` (metres) lands in a picture of that size: pixels from the left and top edge, and the depth
 // along the line of sight in metres. A depth <= 0 means behind the eye, x and y then mean nothing.
 struct Projected {
-  double x = 0, y = 0;
-  double depth = 0;
+  double x = 0;      // pixels from the left
+  double y = 0;      // pixels from the top
+  double depth = 0;  // metres
 };
 SOFTPOINT_API Projected project(const Camera& camera, int width, int height, const Vec3& point);
 

@@ -9,8 +9,9 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 
+// How debug drawing looks.
 struct DebugStyle {
-  double line_pixels = 1.2;
+  double line_pixels = 1.2;      // width of lines
   double contact_pixels = 3.5;   // radius of a contact point
   double contact_length = 0.08;  // metres, the arrow along a contact's normal; 0 for none
   bool see_through = true;       // lines and points also show behind solids
@@ -21,22 +22,28 @@ struct DebugStyle {
 // Starts in mode DBG_DrawWireframe. Bullet empties the drawer at each debugDrawWorld().
 class SOFTPOINT_API DebugDrawer final : public btIDebugDraw {
  public:
+  // Empty.
   explicit DebugDrawer(const DebugStyle& style = {});
 
   // Between renderer.begin() and renderer.finish(); keeps what was collected.
   void draw(Renderer& renderer) const;
+  // Forgets what was collected, but not the warnings.
   void clear();
 
+  // How much was collected.
+  // @{
   int line_count() const { return static_cast<int>(lines_.size()); }
   int triangle_count() const { return static_cast<int>(triangles_.size()); }
   int contact_count() const { return static_cast<int>(contacts_.size()); }
   int text_count() const { return static_cast<int>(texts_.size()); }
+  // @}
   // The first hundred since construction.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // btIDebugDraw
   using btIDebugDraw::drawLine;
   using btIDebugDraw::drawTriangle;
+  // What Bullet calls.
+  // @{
   void drawLine(const btVector3& from, const btVector3& to, const btVector3& color) override;
   void drawTriangle(const btVector3& a, const btVector3& b, const btVector3& c, const btVector3& color,
                     btScalar opacity) override;
@@ -49,6 +56,7 @@ class SOFTPOINT_API DebugDrawer final : public btIDebugDraw {
   void setDefaultColors(const DefaultColors& colors) override { colors_ = colors; }
   void setDebugMode(int mode) override { mode_ = mode; }
   int getDebugMode() const override { return mode_; }
+  // @}
 
  private:
   struct Line {

@@ -9,20 +9,28 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 
 // A colour as one writes it in a style sheet: sRGB-encoded, each channel 0 to 1. Values outside are clamped.
 struct Color {
-  float r = 0, g = 0, b = 0;
+  float r = 0;  // red
+  float g = 0;  // green
+  float b = 0;  // blue
   float a = 1;  // opacity
 };
 
 // Rows from the top, four bytes a pixel (red, green, blue, opacity), sRGB-encoded.
 struct Image {
-  int width = 0, height = 0;       // pixels
+  int width = 0;                   // pixels
+  int height = 0;                  // pixels
   std::vector<std::uint8_t> rgba;  // 4 width height bytes
 
   Image() = default;
+  // All of one colour.
   SOFTPOINT_API Image(int width, int height, Color fill = {});
 
+  // The four bytes of column x, row y from the top; not checked.
+  // @{
   std::uint8_t* pixel(int x, int y) { return rgba.data() + offset(x, y); }
   const std::uint8_t* pixel(int x, int y) const { return rgba.data() + offset(x, y); }
+  // @}
+  // Same size and bytes.
   bool operator==(const Image&) const = default;
 
  private:

@@ -10,8 +10,8 @@ struct Material {
   double roughness = 0.55;           // 0.05 (mirror-like highlight) to 1 (chalk)
   double wetness = 0;                // 0 dry to 1 soaked: darker, with a sharp sheen
   bool two_sided = false;            // draw the inside of open surfaces too
-  bool casts_shadow = true;
-  bool wireframe = false;  // draw the edges of the triangles on top
+  bool casts_shadow = true;          // onto others and itself
+  bool wireframe = false;            // draw the edges of the triangles on top
 };
 
 // The i-th of an endless row of well-distinguishable colours of even lightness (i >= 0).

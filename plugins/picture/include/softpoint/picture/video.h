@@ -8,6 +8,7 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 
+// How a video is encoded.
 struct VideoSettings {
   double frames_per_second = 60;   // 1 to 1000
   int quality = 20;                // H.264 constant rate factor: 0 (lossless) to 51 (worst)
@@ -29,9 +30,11 @@ class SOFTPOINT_API VideoWriter {
   // Ends the file as far as it got; close() tells whether that worked.
   ~VideoWriter();
 
+  // The next frame, of the size given to the constructor.
   void add(const Image& frame);
   // Waits until the file is complete. No add() afterwards; calling it again does nothing.
   void close();
+  // Frames added.
   int frame_count() const { return frame_count_; }
 
  private:

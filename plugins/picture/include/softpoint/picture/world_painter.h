@@ -42,12 +42,14 @@ class SOFTPOINT_API WorldPainter {
   // Looks that overrule the defaults until forget(). The object is told by its address, so forget one that
   // is deleted.
   void set_material(const btCollisionObject& object, const Material& material);
+  // Leaves it out of the picture, or puts it in.
   void set_visible(const btCollisionObject& object, bool visible);
+  // Back to the defaults; also for an object that is deleted.
   void forget(const btCollisionObject& object);
   // How `object` is drawn: as set, or by default. Gives it its palette colour if it has none yet.
   Material material(const btCollisionObject& object);
 
-  const WorldStats& stats() const;
+  const WorldStats& stats() const;  // of the last draw()
 
  private:
   class Impl;
