@@ -16,6 +16,8 @@ if(SOFTPOINT_INSTALL)
   install(FILES ${softpoint_package_sources}/softpoint-config.cmake
                 ${softpoint_package_binaries}/softpoint-config-version.cmake
     DESTINATION ${softpoint_package_folder} COMPONENT core)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/third_party_notes.md
+    DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT core)
 endif()
 
 # softpoint_install_library(<target> <id> <static|shared> <suffix> "<plugins>" "<private pkg-config modules>")

@@ -8,6 +8,9 @@
 # BUILD_SHARED_LIBS says which kind is preferred, and if that is not set either, shared is. All libraries of one
 # program are of one kind.
 
+# Whatever policies the asking project has.
+cmake_policy(VERSION 3.17...3.25)
+
 # _softpoint_load(<component> <static|shared> <variable for the reason why not>)
 function(_softpoint_load component linkage out)
   set(${out} "" PARENT_SCOPE)

@@ -2,14 +2,15 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 folder=$PACKAGE_WORK/find_package
 new_folder "$folder"
+mkdir "$folder/aside"
 cp -r "$prefix" "$folder/prefix"
 package=$folder/prefix/$PACKAGE_LIBDIR/cmake/softpoint
 
-# ask <lines of CMake>: a project of these lines; its output in $said.
+# ask <lines of CMake>: a project of these lines, with policies of old; its output in $said.
 ask() {
   rm -rf "$folder/project"
   mkdir "$folder/project"
-  printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES NONE)\n%s\n' "$1" >"$folder/project/CMakeLists.txt"
+  printf 'cmake_minimum_required(VERSION 3.5)\nproject(p LANGUAGES NONE)\n%s\n' "$1" >"$folder/project/CMakeLists.txt"
   # CMake breaks long messages into lines.
   said=$("$CMAKE" -S "$folder/project" -B "$folder/project/build" -G "$PACKAGE_GENERATOR" \
     -DCMAKE_PREFIX_PATH="$folder/prefix" 2>&1) && answer=yes || answer=no
@@ -44,13 +45,29 @@ find_package(softpoint 0.1 REQUIRED COMPONENTS clay)" "component 'clay'"
 refuses "set(ENV{PKG_CONFIG_LIBDIR} /nonexistent)
 find_package(softpoint 0.1 REQUIRED COMPONENTS $core)" "needs the pkg-config module 'bullet"
 
+# A library that is missing takes with it the components that need it, and no others.
+if has static "${linkages[@]}" && has picture "${plugins[@]}"; then
+  mkdir "$folder/modules"
+  for module in bullet bullet-float64 tinyobjloader_double; do
+    cp "$(pkg-config --variable=pcfiledir "$module")/$module.pc" "$folder/modules"
+  done
+  picture=${core/core/picture}
+  lines="set(softpoint_SHARED OFF)
+set(ENV{PKG_CONFIG_LIBDIR} $folder/modules)
+find_package(softpoint 0.1 REQUIRED"
+  refuses "$lines COMPONENTS $core $picture)" "component '$picture' (static) needs the pkg-config module"
+  accepts "$lines COMPONENTS $core OPTIONAL_COMPONENTS $picture)
+if(softpoint_${picture}_FOUND OR TARGET softpoint::$picture OR NOT TARGET softpoint::$core)
+  message(FATAL_ERROR wrong)
+endif()"
+fi
+
 if [ ${#precisions[@]} = 2 ]; then
   # The other precision comes along, and does no harm where it is not there.
   accepts 'find_package(softpoint 0.1 REQUIRED COMPONENTS elastic)
 if(NOT TARGET softpoint::elastic-float64 OR NOT softpoint_elastic-float64_FOUND OR TARGET softpoint::picture)
   message(FATAL_ERROR wrong)
 endif()'
-  mkdir "$folder/aside"
   mv "$package"/softpoint-*-float64-* "$folder/aside"
   refuses 'find_package(softpoint 0.1 REQUIRED COMPONENTS elastic-float64)' "component 'elastic-float64' is not installed"
   accepts 'find_package(softpoint 0.1 REQUIRED COMPONENTS elastic)

@@ -2,6 +2,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 new_folder "$PACKAGE_WORK"
 quietly "$CMAKE" --install "$PACKAGE_BUILD" --prefix "$prefix"
+[ -n "$(find "$prefix" -name LICENSE)" ] || fail "the licence is not installed"
 for precision in "${precisions[@]}"; do
   for plugin in "${plugins[@]}"; do
     name=softpoint-$plugin$(suffix_of "$precision")
