@@ -29,8 +29,8 @@ inline double triangle_distance(const Vec3& p, const Vec3& a, const Vec3& b, con
 }
 
 // Signed distance (m, negative inside) from a world point to a rigid shape: plane, sphere, box, capsule,
-// upright cylinder, convex hull (half-spaces through every triple of its points), compound (the deepest
-// child).
+// cylinder, cone, convex hull (half-spaces through every triple of its points), compound (the deepest child).
+// Shapes are taken as they are drawn, without the margin that Bullet adds to some.
 inline double brute_distance(const btCollisionShape& shape, const btTransform& placed,
                              const Vec3& world_point) {
   Eigen::Matrix3d rotation;
@@ -62,14 +62,32 @@ inline double brute_distance(const btCollisionShape& shape, const btTransform& p
       q[axis] = std::max(std::abs(q[axis]) - double(capsule.getHalfHeight()), 0.0);
       return q.norm() - capsule.getRadius();
     }
-    case CYLINDER_SHAPE_PROXYTYPE: {  // core grown by the margin, as Bullet has it
+    case CYLINDER_SHAPE_PROXYTYPE: {
       const auto& cylinder = static_cast<const btCylinderShape&>(shape);
-      const Vec3 half = vec(cylinder.getHalfExtentsWithoutMargin());
-      const double over_r = std::hypot(p.x(), p.z()) - half.x(), over_y = std::abs(p.y()) - half.y();
-      return std::hypot(std::max(over_r, 0.0), std::max(over_y, 0.0)) +
-             std::min(std::max(over_r, over_y), 0.0) - cylinder.getMargin();
+      const int axis = cylinder.getUpAxis();
+      Vec3 off = p;
+      off[axis] = 0;
+      const double over_r = off.norm() - double(cylinder.getRadius());
+      const double over_h = std::abs(p[axis]) - double(cylinder.getHalfExtentsWithMargin()[axis]);
+      return std::hypot(std::max(over_r, 0.0), std::max(over_h, 0.0)) +
+             std::min(std::max(over_r, over_h), 0.0);
     }
-    case CONVEX_HULL_SHAPE_PROXYTYPE: {  // core grown by the margin, as Bullet has it
+    case CONE_SHAPE_PROXYTYPE: {  // the triangle (axis, rim, tip) in the half plane through the point
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      const int axis = cone.getConeUpIndex();
+      Vec3 off = p;
+      off[axis] = 0;
+      const double r = cone.getRadius(), h = cone.getHeight();
+      const Vec3 q(off.norm(), p[axis], 0), rim(r, -h / 2, 0), tip(0, h / 2, 0), foot(0, -h / 2, 0);
+      const auto side = [&](const Vec3& u, const Vec3& v) {
+        const double t = std::clamp((q - u).dot(v - u) / (v - u).squaredNorm(), 0.0, 1.0);
+        return (q - u - t * (v - u)).norm();
+      };
+      const double nearest = std::min(side(foot, rim), side(rim, tip));
+      const bool inside = q.y() > -h / 2 && q.x() < r * (h / 2 - q.y()) / h;
+      return inside ? -nearest : nearest;
+    }
+    case CONVEX_HULL_SHAPE_PROXYTYPE: {
       const auto& hull = static_cast<const btConvexHullShape&>(shape);
       double deepest = -std::numeric_limits<double>::infinity();
       double nearest = std::numeric_limits<double>::infinity();  // to a triangle of the surface
@@ -94,7 +112,7 @@ inline double brute_distance(const btCollisionShape& shape, const btTransform& p
           }
         }
       }
-      return (deepest > 0 ? nearest : deepest) - hull.getMargin();
+      return deepest > 0 ? nearest : deepest;
     }
     case COMPOUND_SHAPE_PROXYTYPE: {
       const auto& compound = static_cast<const btCompoundShape&>(shape);
@@ -151,13 +169,23 @@ inline double distance_to_skin(const Surface& skin, const Vec3& p) {
 }
 
 // Corners of a shape and the radius of the ball round each that belongs to it: corners of boxes and hulls,
-// centres of spheres, ends of a capsule's core, points on the rims of a cylinder.
+// centres of spheres, ends of a capsule's core, points on the rims of cylinders and cones, tips.
 inline void shape_corners(const btCollisionShape& shape, const btTransform& placed,
                           std::vector<Vec3>& corners, std::vector<double>& radii) {
   const auto add = [&](const btVector3& local, double radius) {
     const btVector3 w = placed * local;
     corners.push_back(Vec3(w.x(), w.y(), w.z()));
     radii.push_back(radius);
+  };
+  const auto add_rim = [&](int axis, double radius, double height) {
+    for (int i = 0; i < 45; ++i) {  // not the angles that the library knows
+      const double angle = 0.01 + i * std::numbers::pi / 22.5;
+      btVector3 p(0, 0, 0);
+      p[axis] = btScalar(height);
+      p[(axis + 1) % 3] = btScalar(radius * std::cos(angle));
+      p[(axis + 2) % 3] = btScalar(radius * std::sin(angle));
+      add(p, 0);
+    }
   };
   switch (shape.getShapeType()) {
     case BOX_SHAPE_PROXYTYPE: {
@@ -181,21 +209,24 @@ inline void shape_corners(const btCollisionShape& shape, const btTransform& plac
     case CONVEX_HULL_SHAPE_PROXYTYPE: {
       const auto& hull = static_cast<const btConvexHullShape&>(shape);
       for (int i = 0; i < hull.getNumPoints(); ++i) {
-        add(hull.getScaledPoint(i), hull.getMargin());
+        add(hull.getScaledPoint(i), 0);
       }
       break;
     }
     case CYLINDER_SHAPE_PROXYTYPE: {
       const auto& cylinder = static_cast<const btCylinderShape&>(shape);
-      const btVector3 h = cylinder.getHalfExtentsWithoutMargin();
-      for (int i = 0; i < 32; ++i) {
-        const double angle = i * std::numbers::pi / 16.0;
-        for (const int side : {-1, 1}) {
-          add(btVector3(btScalar(h.x() * std::cos(angle)), h.y() * btScalar(side),
-                        btScalar(h.x() * std::sin(angle))),
-              cylinder.getMargin());
-        }
-      }
+      const int axis = cylinder.getUpAxis();
+      const double h = cylinder.getHalfExtentsWithMargin()[axis];
+      add_rim(axis, cylinder.getRadius(), h);
+      add_rim(axis, cylinder.getRadius(), -h);
+      break;
+    }
+    case CONE_SHAPE_PROXYTYPE: {
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      add_rim(cone.getConeUpIndex(), cone.getRadius(), -0.5 * double(cone.getHeight()));
+      btVector3 tip(0, 0, 0);
+      tip[cone.getConeUpIndex()] = btScalar(0.5) * cone.getHeight();
+      add(tip, 0);
       break;
     }
     case COMPOUND_SHAPE_PROXYTYPE: {

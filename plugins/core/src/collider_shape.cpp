@@ -3,9 +3,15 @@
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
+#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
@@ -13,8 +19,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "facets.h"
 #include "nearest_points.h"
+#include "shape_features.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -36,7 +42,7 @@ void fingerprint(const btCollisionShape& shape, double (&out)[9]) {
   const Vec3 a = from_bullet(low), b = from_bullet(high);
   std::copy(a.data(), a.data() + 3, out + 2);
   std::copy(b.data(), b.data() + 3, out + 5);
-  if (shape.isPolyhedral()) {
+  if (shape.isPolyhedral() && shape.getShapeType() != CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE) {
     const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(shape);
     for (int i = 0; i < polyhedron.getNumVertices(); ++i) {
       btVector3 v;
@@ -46,23 +52,52 @@ void fingerprint(const btCollisionShape& shape, double (&out)[9]) {
   }
 }
 
-void add_box_features(ColliderShape& s) {
-  for (int i = 0; i < 8; ++i) {
-    s.corners.push_back(s.half.cwiseProduct(Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (int k = 0; k < 4; ++k) {
-      const double su = k & 1 ? 1 : -1, sv = k & 2 ? 1 : -1;
-      ShapeEdge edge;
-      edge.a[axis] = -s.half[axis];
-      edge.b[axis] = s.half[axis];
-      edge.a[u] = edge.b[u] = su * s.half[u];
-      edge.a[v] = edge.b[v] = sv * s.half[v];
-      edge.into_first[u] = -su;
-      edge.into_second[v] = -sv;
-      s.edges.push_back(edge);
+// Points of a polyhedral shape; empty where Bullet cannot tell them.
+std::vector<Vec3> points_of(const btCollisionShape& shape) {
+  std::vector<Vec3> points;
+  if (shape.getShapeType() == CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE) {
+    struct Collect final : btInternalTriangleIndexCallback {
+      void internalProcessTriangleIndex(btVector3* triangle, int, int) override {
+        for (int k = 0; k < 3; ++k) {
+          points->push_back(from_bullet(triangle[k] * scaling));
+        }
+      }
+      std::vector<Vec3>* points = nullptr;
+      btVector3 scaling;
+    } collect;
+    const auto& mesh = static_cast<const btConvexTriangleMeshShape&>(shape);
+    collect.points = &points;
+    collect.scaling = mesh.getLocalScaling();
+    const btVector3 all(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+    mesh.getMeshInterface()->InternalProcessAllTriangles(&collect, -all, all);
+  } else if (shape.isPolyhedral()) {
+    const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(shape);
+    for (int i = 0; i < polyhedron.getNumVertices(); ++i) {
+      btVector3 v;
+      polyhedron.getVertex(i, v);
+      points.push_back(from_bullet(v));
     }
+  }
+  return points;
+}
+
+void build_convex(ColliderShape& s, const btConvexShape& shape) {
+  const std::vector<Vec3> points = points_of(shape);
+  if (points.size() == 3) {  // a lone triangle has two sides and no inside
+    ShapeFacet facet{points[0], points[1], points[2],
+                     (points[1] - points[0]).cross(points[2] - points[0]).normalized()};
+    facet.offset = facet.normal.dot(facet.a);
+    s.facets.push_back(facet);
+    s.kind = ColliderShape::Kind::mesh;
+  } else if (!points.empty()) {
+    add_hull_facets(s, points);
+    s.kind = ColliderShape::Kind::polyhedron;
+  }
+  if (s.facets.empty()) {
+    s.kind = ColliderShape::Kind::round;
+    s.convex = &shape;
+  } else {
+    add_facet_features(s);
   }
 }
 
@@ -99,20 +134,29 @@ ColliderShape build(const btCollisionShape& shape) {
       s.half[s.axis] = capsule.getHalfHeight();
       break;
     }
+    case CYLINDER_SHAPE_PROXYTYPE: {
+      const auto& cylinder = static_cast<const btCylinderShape&>(shape);
+      s.kind = ColliderShape::Kind::cylinder;
+      s.axis = cylinder.getUpAxis();
+      s.radius = cylinder.getRadius();
+      s.half[s.axis] = from_bullet(cylinder.getHalfExtentsWithMargin())[s.axis];
+      add_cylinder_features(s);
+      break;
+    }
+    case CONE_SHAPE_PROXYTYPE: {
+      const auto& cone = static_cast<const btConeShape&>(shape);
+      s.kind = ColliderShape::Kind::cone;
+      s.axis = cone.getConeUpIndex();
+      s.radius = cone.getRadius();
+      s.half[s.axis] = 0.5 * double(cone.getHeight());
+      add_cone_features(s);
+      break;
+    }
     default:
       if (shape.isConvex()) {
-        s.kind = ColliderShape::Kind::convex;
-        s.convex = static_cast<const btConvexShape*>(&shape);
-        add_facets(s);
+        build_convex(s, static_cast<const btConvexShape&>(shape));
       }
       break;
-  }
-  s.corner_edges.resize(s.corners.size());
-  for (const ShapeEdge& edge : s.edges) {
-    for (std::size_t c = 0; c < s.corners.size(); ++c) {
-      if (s.corners[c] == edge.a) s.corner_edges[c].push_back((edge.b - edge.a).normalized());
-      if (s.corners[c] == edge.b) s.corner_edges[c].push_back((edge.a - edge.b).normalized());
-    }
   }
   return s;
 }
@@ -143,33 +187,71 @@ SurfaceDistance ball_distance(const Vec3& center, double radius, const Vec3& p, 
   return {-radius, normal};
 }
 
-// Polyhedra by their faces, exactly; other shapes as Bullet's GJK and EPA have it. Both count the shape's
-// margin as part of it, as Bullet's own contacts do.
-SurfaceDistance convex_distance(const ColliderShape& s, const Vec3& p) {
-  if (!s.facets.empty()) {
-    SurfaceDistance inside{-std::numeric_limits<double>::infinity(), Vec3::UnitY()};
-    double nearest = std::numeric_limits<double>::infinity();
-    Vec3 offset = Vec3::UnitY();
-    for (const ShapeFacet& facet : s.facets) {
-      const double distance = facet.normal.dot(p) - facet.offset;
-      if (distance > inside.distance) {
-        inside = {distance, facet.normal};
-      }
-      if (distance > 0.0 && distance * distance < nearest) {
-        const Vec3 w = nearest_weights(p, facet.a, facet.b, facet.c);
-        const Vec3 to_point = p - (w[0] * facet.a + w[1] * facet.b + w[2] * facet.c);
-        if (to_point.squaredNorm() < nearest) {
-          nearest = to_point.squaredNorm();
-          offset = to_point;
-        }
-      }
-    }
-    const double length = std::sqrt(nearest);
-    if (inside.distance <= 0.0 || length < 1e-9) {
-      return {inside.distance - s.core_radius(), inside.normal};
-    }
-    return {length - s.core_radius(), offset / length};
+// Distance in the half plane (off the axis, along it) of a convex outline that is mirrored at the axis:
+// corner a on the axis or not, then b, then c; outward is to the right of a..b..c.
+SurfaceDistance turned_distance(const Vec3& p, int axis, std::initializer_list<Eigen::Vector2d> outline) {
+  Vec3 off = p;
+  off[axis] = 0.0;
+  const double rho = off.norm();
+  Vec3 radial = Vec3::Zero();
+  radial[(axis + 1) % 3] = 1.0;
+  if (rho > 1e-12) {
+    radial = off / rho;
   }
+  const Eigen::Vector2d q(rho, p[axis]);
+  double nearest = std::numeric_limits<double>::infinity();
+  double behind = -std::numeric_limits<double>::infinity();
+  Eigen::Vector2d to_point(0, 1), plane_normal(0, 1);
+  for (const Eigen::Vector2d* a = outline.begin(); a + 1 != outline.end(); ++a) {
+    const Eigen::Vector2d d = a[1] - a[0];
+    const Eigen::Vector2d normal = Eigen::Vector2d(d.y(), -d.x()).normalized();
+    const double t = std::clamp((q - a[0]).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    const Eigen::Vector2d offset = q - (a[0] + t * d);
+    if (offset.squaredNorm() < nearest) {
+      nearest = offset.squaredNorm();
+      to_point = offset;
+    }
+    if (const double depth = normal.dot(q - a[0]); depth > behind) {
+      behind = depth;
+      plane_normal = normal;
+    }
+  }
+  const double length = std::sqrt(nearest);
+  const bool outside = behind > 0.0 && length > 1e-12;
+  const Eigen::Vector2d normal = outside ? Eigen::Vector2d(to_point / length) : plane_normal;
+  Vec3 result = normal.x() * radial;
+  result[axis] += normal.y();
+  return {outside ? length : behind, result};
+}
+
+// By the faces, exactly.
+SurfaceDistance polyhedron_distance(const ColliderShape& s, const Vec3& p) {
+  SurfaceDistance inside{-std::numeric_limits<double>::infinity(), Vec3::UnitY()};
+  double nearest = std::numeric_limits<double>::infinity();
+  Vec3 offset = Vec3::UnitY();
+  for (const ShapeFacet& facet : s.facets) {
+    const double distance = facet.normal.dot(p) - facet.offset;
+    if (distance > inside.distance) {
+      inside = {distance, facet.normal};
+    }
+    if (distance > 0.0 && distance * distance < nearest) {
+      const Vec3 w = nearest_weights(p, facet.a, facet.b, facet.c);
+      const Vec3 to_point = p - (w[0] * facet.a + w[1] * facet.b + w[2] * facet.c);
+      if (to_point.squaredNorm() < nearest) {
+        nearest = to_point.squaredNorm();
+        offset = to_point;
+      }
+    }
+  }
+  const double length = std::sqrt(nearest);
+  if (inside.distance <= 0.0 || length < 1e-9) {
+    return inside;
+  }
+  return {length, offset / length};
+}
+
+// As Bullet's GJK and EPA have it, margin included.
+SurfaceDistance round_distance(const ColliderShape& s, const Vec3& p) {
   btGjkEpaSolver2::sResults result;
   const btScalar distance =
       btGjkEpaSolver2::SignedDistance(to_bullet(p), 0, s.convex, btTransform::getIdentity(), result);
@@ -196,8 +278,19 @@ SurfaceDistance ColliderShape::distance(const Vec3& p) const {
       center[axis] = std::clamp(p[axis], -half[axis], half[axis]);
       return ball_distance(center, radius, p, (axis + 1) % 3);
     }
-    case Kind::convex:
-      return convex_distance(*this, p);
+    case Kind::cylinder: {
+      const double h = half[axis];
+      return turned_distance(p, axis, {{0, -h}, {radius, -h}, {radius, h}, {0, h}});
+    }
+    case Kind::cone: {
+      const double h = half[axis];
+      return turned_distance(p, axis, {{0, -h}, {radius, -h}, {0, h}});
+    }
+    case Kind::polyhedron:
+      return polyhedron_distance(*this, p);
+    case Kind::round:
+      return round_distance(*this, p);
+    case Kind::mesh:
     case Kind::unsupported:
       break;
   }
@@ -211,6 +304,11 @@ bool ColliderShape::beyond(const Vec3& p, double reach) const {
   return (p - bounds_max).maxCoeff() > reach || (bounds_min - p).maxCoeff() > reach;
 }
 
+bool is_mesh(const btCollisionShape& shape) {
+  return shape.isConcave() && shape.getShapeType() != STATIC_PLANE_PROXYTYPE &&
+         shape.getShapeType() != EMPTY_SHAPE_PROXYTYPE && shape.getShapeType() != SDF_SHAPE_PROXYTYPE;
+}
+
 void ColliderShapes::begin_substep() {
   constexpr long long kMemory = 1024;  // substeps
   if (++substep_ % kMemory == 0) {
@@ -219,11 +317,11 @@ void ColliderShapes::begin_substep() {
 }
 
 double ColliderShape::core_radius() const {
-  return kind == Kind::convex ? double(convex->getMargin()) : radius;
+  return kind == Kind::round ? double(convex->getMargin()) : radius;
 }
 
 bool ColliderShape::core_distance(const Vec3& a, const Vec3& b, const Vec3& c, CoreDistance& result) const {
-  if (kind == Kind::convex) {
+  if (kind == Kind::round) {
     btTriangleShape triangle(to_bullet(a), to_bullet(b), to_bullet(c));
     btGjkEpaSolver2::sResults gjk;
     const btVector3 guess = to_bullet((a + b + c) / 3.0);

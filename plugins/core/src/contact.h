@@ -13,7 +13,8 @@ namespace softpoint::inline SOFTPOINT_ABI {
 // names a contact over passes and steps.
 enum class ContactKind : std::int8_t { vertex, corner, edge, face };
 
-// One contact between a deformable (as up to three weighted points) and a rigid feature.
+// One contact between a deformable (as up to three weighted points) and a feature of a rigid shape or of
+// another deformable.
 struct Contact {
   // Identity.
   int body = 0;  // index into the system's bodies
@@ -24,10 +25,14 @@ struct Contact {
   int skin_feature = -1;   // vertex, edge or face of the deformable; a corner slides over faces
 
   // Geometry at the last detection, end-of-step configuration.
-  int rigid = -1;  // index into RigidStates
+  int rigid = -1;  // index into RigidStates; of another deformable, that of a still place-holder
   int count = 0;
   std::array<int, 3> points{};
   std::array<double, 3> weights{};
+  int other_body = -1;  // index of the other deformable; -1 where the other is rigid
+  int other_count = 0;  // its weighted points, likewise
+  std::array<int, 3> other_points{};
+  std::array<double, 3> other_weights{};
   Vec3 normal = Vec3::UnitY();      // from the collider towards the deformable
   double gap = 0;                   // m beyond the margin; negative needs a push
   Vec3 rigid_point = Vec3::Zero();  // m, on the collider's surface, in its frame
@@ -70,6 +75,9 @@ class ContactTable {
     std::erase_if(contacts_, drop);
     rebuild();
   }
+
+  // After changes of identities.
+  void reindex() { rebuild(); }
 
   std::vector<Contact>& all() { return contacts_; }
   const std::vector<Contact>& all() const { return contacts_; }

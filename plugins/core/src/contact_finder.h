@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include "contact.h"
-#include "softpoint/core/deformable.h"
+#include "feature_source.h"
+#include "skin.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
@@ -13,72 +16,60 @@ inline constexpr double kTrustedDepth = 5e-3;
 // Normals whose cosine is below this belong to different sides of a shape.
 inline constexpr double kSameSide = 0.7;
 
-// Finds the contacts of one deformable with placed shapes in the configuration that the end of the step
-// would have, so that what the solver separates stays separated after Bullet has integrated.
+// Finds the contacts of one deformable in the configuration that the end of the step would have, so that what
+// the solver separates stays separated after Bullet has integrated.
 class ContactFinder {
  public:
-  // Face and edge bounds of the end configuration; once a pass, when a shape with corners is near.
-  void begin_pass(const Deformable& body);
+  // Starts a pass; `first` in the first one of a substep, which also follows features along their way.
+  void begin_pass(int body_index, const Deformable& body, double margin, bool first);
+  // The skin, brought up to date when first asked for in a pass.
+  const Skin& skin();
 
-  void find_vertices(int body_index, const Deformable& body, const ShapeInstance& shape,
-                     const RigidState& rigid, double margin, ContactTable& contacts);
-  void find_corners(int body_index, const Deformable& body, const ShapeInstance& shape,
-                    const RigidState& rigid, double margin, ContactTable& contacts);
-  void find_faces(int body_index, const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
-                  double margin, bool at_start, ContactTable& contacts);
-  // With `at_start`, edge pairs are taken as they stand at the start of the step, from where they approach.
-  void find_edges(int body_index, const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
-                  double margin, bool at_start, ContactTable& contacts);
+  // Vertices of the skin against a shape with a distance of its own.
+  void find_vertices(const ShapeInstance& shape, const RigidState& rigid, ContactTable& contacts);
+  // Vertices of the skin against triangles without an inside.
+  void find_vertices_on_mesh(const ShapeInstance& shape, const RigidState& rigid, ContactTable& contacts);
+  // Faces of the skin against a round shape.
+  void find_faces(const ShapeInstance& shape, const RigidState& rigid, ContactTable& contacts);
+  // Corners and edges, of shapes or of another skin, against the faces and edges of this one.
+  void find_corners(const FeatureSource& source, const RigidState& rigid, ContactTable& contacts);
+  void find_edges(const FeatureSource& source, const RigidState& rigid, ContactTable& contacts);
 
   // A contact of an earlier pass of this substep that detection did not find again: measured anew on the
   // same features, so that what one pass separated does not fall back in the next. False when the features
   // have left each other.
-  bool refresh(const Deformable& body, const ShapeInstance& shape, const RigidState& rigid, double margin,
-               Contact& contact) const;
+  bool refresh_face(const ShapeInstance& shape, const RigidState& rigid, Contact& contact) const;
+  bool refresh_corner(const FeatureSource& source, const RigidState& rigid, Contact& contact);
+  // On the plane it had: through `other_point` (m, at the end of the step), with a fixed normal.
+  void refresh_on_plane(const Vec3& other_point, Contact& contact) const;
 
  private:
-  struct Bounds {
-    Vec3 low, high;
-    bool misses(const Vec3& a, const Vec3& b, double reach) const {
-      return (low - a.cwiseMax(b)).maxCoeff() > reach || (a.cwiseMin(b) - high).maxCoeff() > reach;
-    }
-  };
-  struct SkinPoint {
-    int face = -1;
-    Vec3 weights = Vec3::Zero();
-    Vec3 outward = Vec3::UnitY();
-    double distance = 0;  // m, negative inside
+  struct MeshTouch {              // a vertex of the skin at a triangle
+    Vec3 normal = Vec3::UnitY();  // shape frame, towards the skin
+    double gap = 0;               // m beyond the margin
+    double distance = 0;          // m, without sign
+    double crossed_at = 2.0;      // part of the step after which it was crossed; 2 when it was not
+    bool interior = false;        // within the triangle, or crossed
   };
 
-  static bool sample_face(const Deformable& body, const Triangle& face, const ColliderShape& shape,
-                          const Pose& pose, Vec3& weights, Vec3& normal, double& distance);
-  static void follow_face(const Deformable& body, const ShapeInstance& shape, const RigidState& rigid,
-                          double margin, Contact& contact);
-  struct EdgePair {
-    double s = 0, t = 0;  // parameters on the rigid edge and the skin's edge
-    Vec3 normal = Vec3::UnitY();
-    double gap = 0;  // m, without radius and margin
-  };
+  void touch_triangle(const ShapeFacet& facet, const Vec3& from, const Vec3& to, const Vec3& skin_normal,
+                      std::vector<MeshTouch>& touches) const;
+  bool sample_face(const Triangle& face, const ColliderShape& shape, const Pose& pose, Vec3& weights,
+                   Vec3& normal, double& distance) const;
+  void place_on_vertex(int vertex, const ShapeInstance& shape, const RigidState& rigid,
+                       Contact& contact) const;
+  void place_on_face(int face, const Vec3& weights, const RigidState& rigid, Contact& contact) const;
+  Vec3 skin_point(const Contact& contact) const;
+  Contact identity(const ShapeInstance& shape, const RigidState& rigid, ContactKind kind) const;
 
-  bool measure_edges(const Deformable& body, const std::vector<Vec3>& points, const ShapeEdge& edge,
-                     const Pose& pose, int skin_edge, EdgePair& pair) const;
-  static void place_on_face(const Deformable& body, int face, const Vec3& weights, const RigidState& rigid,
-                            Contact& contact);
-  static bool segment_meets_front(const Deformable& body, int face, const Vec3& from, const Vec3& d,
-                                  double& time, Vec3& weights);
-  bool crossed_face(const Deformable& body, const Vec3& from, const Vec3& to, SkinPoint& hit) const;
-  bool nearest_face(const Deformable& body, const Vec3& p, double reach, SkinPoint& nearest) const;
-  Vec3 press_direction(const Deformable& body, const SkinPoint& skin, const ColliderShape& shape,
-                       std::size_t corner, const Pose& pose) const;
-  bool skin_along(const Deformable& body, const Vec3& corner, const Vec3& direction, double reach,
-                  SkinPoint& hit) const;
-  bool inside(const Deformable& body, const Vec3& p) const;
-  Vec3 face_normal(const Deformable& body, const std::vector<Vec3>& points, int face) const;
-
-  std::vector<Bounds> face_bounds_;
-  std::vector<Vec3> normals_;  // of the skin at its points
-  double step_travel_ = 0;     // m, farthest any point moves over the step
-  Bounds body_bounds_{Vec3::Zero(), Vec3::Zero()};
+  int body_index_ = 0;
+  const Deformable* body_ = nullptr;
+  double margin_ = 0;
+  double reach_ = 0;  // m, candidates within it
+  bool first_ = true;
+  Skin skin_;
+  std::vector<int> features_;       // scratch
+  std::vector<MeshTouch> touches_;  // scratch
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -36,6 +36,9 @@ void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const s
       for (int k = 0; contact.body == static_cast<int>(b) && k < contact.count; ++k) {
         touch(contact.points[at(k)]);
       }
+      for (int k = 0; contact.other_body == static_cast<int>(b) && k < contact.other_count; ++k) {
+        touch(contact.other_points[at(k)]);
+      }
     }
     for (const Handle& handle : handles) {
       if (handle.body == static_cast<int>(b)) {
@@ -69,6 +72,12 @@ Vec3 ContactSolver::moved(const Contact& contact, const Row& row,
   for (std::size_t k = 0; k < at(contact.count); ++k) {
     sum += contact.weights[k] * values[at(row.local[k])];
   }
+  if (contact.other_body >= 0) {
+    const std::vector<Vec3>& others = touched_[at(contact.other_body)].*field;
+    for (std::size_t k = 0; k < at(contact.other_count); ++k) {
+      sum -= contact.other_weights[k] * others[at(row.other_local[k])];
+    }
+  }
   return sum;
 }
 
@@ -78,7 +87,30 @@ void ContactSolver::add_impulse(const Contact& contact, const Row& row, const Ve
   for (std::size_t k = 0; k < at(contact.count); ++k) {
     touched.spread(row.local[k], contact.weights[k] * impulse, dt_);
   }
+  if (contact.other_body >= 0) {
+    TouchedPoints& others = touched_[at(contact.other_body)];
+    for (std::size_t k = 0; k < at(contact.other_count); ++k) {
+      others.spread(row.other_local[k], -contact.other_weights[k] * impulse, dt_);
+    }
+    return;
+  }
   rigid.push(contact.rigid, -impulse, contact.arm);
+}
+
+// What one deformable brings to a row: its free motion (times `sign`) and its compliance.
+void ContactSolver::add_side(const Deformable& body, const TouchedPoints& touched, int count,
+                             const std::array<int, 3>& points, const std::array<double, 3>& weights,
+                             double sign, std::array<int, 3>& local, Row& row) {
+  for (std::size_t k = 0; k < at(count); ++k) {
+    const std::size_t v = at(points[k]);
+    local[k] = touched.local[v];
+    row.slip_base += sign * weights[k] * (body.free_positions_[v] - body.positions_[v]);
+  }
+  for (std::size_t i = 0; i < at(count); ++i) {
+    for (std::size_t j = 0; j < at(count); ++j) {
+      row.compliance += weights[i] * weights[j] * touched.compliance(local[i], local[j]);
+    }
+  }
 }
 
 void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
@@ -87,21 +119,14 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     Contact& contact = contacts[c];
     Row& row = rows_[c];
-    const TouchedPoints& touched = touched_[at(contact.body)];
-    const Deformable& body = *bodies[at(contact.body)];
-    row.slip_base.setZero();
-    for (std::size_t k = 0; k < at(contact.count); ++k) {
-      const std::size_t v = at(contact.points[k]);
-      row.local[k] = touched.local[v];
-      row.slip_base += contact.weights[k] * (body.free_positions_[v] - body.positions_[v]);
-    }
     const RigidState& other = rigid[contact.rigid];
+    row.slip_base.setZero();
     row.compliance = rigid.compliance(contact.rigid, contact.arm, contact.rigid, contact.arm);
-    for (std::size_t i = 0; i < at(contact.count); ++i) {
-      for (std::size_t j = 0; j < at(contact.count); ++j) {
-        row.compliance +=
-            contact.weights[i] * contact.weights[j] * touched.compliance(row.local[i], row.local[j]);
-      }
+    add_side(*bodies[at(contact.body)], touched_[at(contact.body)], contact.count, contact.points,
+             contact.weights, 1.0, row.local, row);
+    if (contact.other_body >= 0) {
+      add_side(*bodies[at(contact.other_body)], touched_[at(contact.other_body)], contact.other_count,
+               contact.other_points, contact.other_weights, -1.0, row.other_local, row);
     }
     row.compliance *= dt_;
     const Vec3& n_ = contact.normal;

@@ -29,8 +29,9 @@ class ContactSolver {
  private:
   // A contact ready for sweeping.
   struct Row {
-    std::array<int, 3> local{};
-    Mat3 compliance;  // m per N s at the contact
+    std::array<int, 3> local{};        // touched points of the body
+    std::array<int, 3> other_local{};  // and of the other one, where that is a deformable
+    Mat3 compliance;                   // m per N s at the contact
     Vec3 tangent_a, tangent_b;
     double tangent_gain = 0;  // 1 / largest eigenvalue of the tangent block
     double normal_gain = 0;   // 1 / (n . A n)
@@ -41,6 +42,9 @@ class ContactSolver {
 
   void collect_touched(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
                        const std::vector<Handle>& handles, Profile& profile);
+  static void add_side(const Deformable& body, const TouchedPoints& touched, int count,
+                       const std::array<int, 3>& points, const std::array<double, 3>& weights, double sign,
+                       std::array<int, 3>& local, Row& row);
   void prepare_rows(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
                     std::vector<Handle>& handles, RigidStates& rigid);
   Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> TouchedPoints::*field) const;

@@ -67,15 +67,17 @@ void DeformableSystem::remove(Deformable& body) {
 }
 
 void DeformableSystem::Impl::forget(const Deformable& body) {
-  const int gone = index_of(body);
-  contacts_.erase_if([&](const Contact& c) { return c.body == gone; });
+  const int gone = index_of(&body);
+  contacts_.erase_if([&](const Contact& c) { return c.body == gone || c.other_body == gone; });
+  patches_.forget_body(gone);
   std::erase_if(handles, [&](const Handle& h) { return h.body == gone; });
-  std::erase_if(pairs_, [&](const Pair& p) { return p.body == gone; });
-  std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == &body; });
+  std::erase_if(pairs_, [&](const Pair& p) { return p.body == gone || p.other == &body; });
+  std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == &body || p.other == &body; });
   for (Contact& contact : contacts_.all()) {
     contact.body -= contact.body > gone;
+    contact.other_body -= contact.other_body > gone;
   }
-  contacts_.erase_if([](const Contact&) { return false; });  // identities changed: index them anew
+  contacts_.reindex();
   for (Handle& h : handles) {
     h.body -= h.body > gone;
   }
@@ -84,8 +86,13 @@ void DeformableSystem::Impl::forget(const Deformable& body) {
 
 std::span<Deformable* const> DeformableSystem::bodies() const { return impl_->bodies; }
 
-int DeformableSystem::Impl::index_of(const Deformable& body) const {
-  return static_cast<int>(std::find(bodies.begin(), bodies.end(), &body) - bodies.begin());
+int DeformableSystem::Impl::index_of(const btCollisionObject* object) const {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b] == object) {
+      return static_cast<int>(b);
+    }
+  }
+  return -1;
 }
 
 Handle& DeformableSystem::Impl::handle(HandleId id, const char* caller) {
@@ -109,7 +116,7 @@ HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target,
   }
   Handle handle;
   handle.id = impl_->next_handle++;
-  handle.body = impl_->index_of(body);
+  handle.body = impl_->index_of(&body);
   handle.point = point;
   handle.target = target;
   handle.max_force = max_force;

@@ -4,6 +4,7 @@
 
 #include "contact_finder.h"
 #include "contact_solver.h"
+#include "mesh_patches.h"
 #include "pair_algorithm.h"
 #include "softpoint/core/deformable_system.h"
 #include "solver_tap.h"
@@ -25,7 +26,8 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void updateAction(btCollisionWorld* world, btScalar dt) override;
   void debugDraw(btIDebugDraw* drawer) override;
 
-  int index_of(const Deformable& body) const;
+  // Index of a body of this system, or -1.
+  int index_of(const btCollisionObject* object) const;
   Handle& handle(HandleId id, const char* caller);
   void forget(const Deformable& body);
   double last_step() const { return last_dt_; }  // s
@@ -39,6 +41,16 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   Profile profile;
 
  private:
+  struct PlacedShape {
+    int body;
+    ShapeInstance instance;
+  };
+  struct SkinPair {  // two deformables that are near each other, and their place-holders among rigid_
+    int first, second;
+    int first_rigid, second_rigid;
+    bool joins(int a, int b) const { return (a == first && b == second) || (a == second && b == first); }
+    int rigid_of(int body) const { return body == first ? first_rigid : second_rigid; }
+  };
   struct Pair {
     int body;
     const btCollisionObject* other;
@@ -54,8 +66,14 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
 
   void forget_impulses(int body);
   void add_pairs_ahead();
+  const ColliderShape& mesh_patch(int body, int rigid, const btConcaveShape& shape, const Pose& local,
+                                  int child);
   void add_shape(int body, int rigid, const btCollisionShape& shape, const Pose& local, int& child);
   double detect(bool first);
+  void detect_on_shape(const PlacedShape& placed);
+  void detect_between(const SkinPair& pair, int index);
+  bool refresh(Contact& contact);
+  Vec3 other_point(const Contact& contact) const;  // m, where the other is at the end of the step
   void prepare_contacts(double dt);
   Vec3 gravity_on(const Deformable& body) const;  // m/s2
 
@@ -64,11 +82,10 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   std::vector<Pair> pairs_;
   RigidStates rigid_;
   ColliderShapes shapes_;
-  struct PlacedShape {
-    int body;
-    ShapeInstance instance;
-  };
+  MeshPatches patches_;
   std::vector<PlacedShape> placed_;
+  std::vector<SkinPair> skin_pairs_;
+  std::vector<Bounds> step_bounds_;     // of each body from start to free end, with some margin
   std::vector<ContactFinder> finders_;  // one per body: each keeps bounds of its faces
   ContactTable contacts_;
   ContactSolver solver_;

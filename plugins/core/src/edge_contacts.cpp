@@ -1,4 +1,4 @@
-// Edges of boxes against the edges of a deformable.
+// Edges, of shapes or of another skin, against the edges of a deformable.
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +11,12 @@ namespace {
 constexpr double kParallelSine = 0.05;
 // Slack (as a sine) in the test that a normal lies between the two faces of an edge.
 constexpr double kWedgeSlack = 0.05;
+
+struct EdgePair {
+  double s = 0, t = 0;          // parameters on the other's edge and the skin's
+  Vec3 normal = Vec3::UnitY();  // from the other into the skin
+  double gap = 0;               // m, without margin
+};
 
 // Parameters of the mutually nearest points of the lines a + s u and b + t v; false when nearly parallel.
 bool nearest_on_lines(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v, double& s, double& t) {
@@ -25,111 +31,92 @@ bool nearest_on_lines(const Vec3& a, const Vec3& u, const Vec3& b, const Vec3& v
   return true;
 }
 
-}  // namespace
-
-// The common normal of an edge of a shape (placed at `pose`) and an edge of the skin with its vertices at
-// `points`; false when they are nearly parallel, or when features other than the two edges are nearest: the
-// normal has to lie between the two faces on either side.
-bool ContactFinder::measure_edges(const Deformable& body, const std::vector<Vec3>& points,
-                                  const ShapeEdge& edge, const Pose& pose, int skin_edge,
-                                  EdgePair& pair) const {
+// The common normal of an edge and an edge of the skin; false when they are nearly parallel, or when features
+// other than the two edges are nearest: the normal has to lie between the two faces on either side.
+bool measure(const FeatureSource::Edge& edge, const Skin& skin, int skin_edge, bool at_start,
+             EdgePair& pair) {
   const auto e = static_cast<std::size_t>(skin_edge);
-  const Vec3 a = pose.to_world(edge.a), u = pose.rotation * (edge.b - edge.a);
-  const Vec3& p = points[static_cast<std::size_t>(body.edges_[e][0])];
-  const Vec3 v = points[static_cast<std::size_t>(body.edges_[e][1])] - p;
-  if (!nearest_on_lines(a, u, p, v, pair.s, pair.t)) {
+  const std::vector<Vec3>& points = at_start ? skin.start() : skin.end();
+  const Vec3 u = edge.b - edge.a;
+  const Vec3& p = points[static_cast<std::size_t>(skin.edge_vertices()[e][0])];
+  const Vec3 v = points[static_cast<std::size_t>(skin.edge_vertices()[e][1])] - p;
+  if (!nearest_on_lines(edge.a, u, p, v, pair.s, pair.t)) {
     return false;
   }
   constexpr double kEnd = 1e-6;  // ends belong to corners and vertices
   if (pair.s < kEnd || pair.s > 1 - kEnd || pair.t < kEnd || pair.t > 1 - kEnd) {
     return false;
   }
-  const Vec3 m1 = face_normal(body, points, body.edge_faces_[e][0]);
-  const Vec3 m2 = body.edge_faces_[e][1] >= 0 ? face_normal(body, points, body.edge_faces_[e][1]) : m1;
+  const Vec3 m1 = skin.face_normal(skin.edge_faces()[e][0], at_start);
+  const Vec3 m2 = skin.edge_faces()[e][1] >= 0 ? skin.face_normal(skin.edge_faces()[e][1], at_start) : m1;
   pair.normal = u.cross(v).normalized();
   if (pair.normal.dot(m1 + m2) > 0.0) {
-    pair.normal = -pair.normal;  // from the collider into the skin
+    pair.normal = -pair.normal;
   }
-  // Directions from the skin's edge into its two faces; edges_ run along the first face.
-  const Vec3 along = v.normalized();
+  const Vec3 along = v.normalized();  // edges of a skin run along their first face
   if (-pair.normal.dot(m1.cross(along)) > kWedgeSlack || -pair.normal.dot(along.cross(m2)) > kWedgeSlack) {
     return false;  // a face or a hollow edge of the skin is nearer
   }
-  if (pair.normal.dot(pose.rotation * edge.into_first) > kWedgeSlack ||
-      pair.normal.dot(pose.rotation * edge.into_second) > kWedgeSlack) {
-    return false;  // a face of the collider is nearer
+  if (pair.normal.dot(edge.into_first) > kWedgeSlack || pair.normal.dot(edge.into_second) > kWedgeSlack) {
+    return false;  // a face of the other is nearer
   }
-  pair.gap = pair.normal.dot((p + pair.t * v) - (a + pair.s * u));
+  pair.gap = pair.normal.dot((p + pair.t * v) - (edge.a + pair.s * u));
   return true;
 }
 
-void ContactFinder::find_edges(int body_index, const Deformable& body, const ShapeInstance& instance,
-                               const RigidState& rigid, double margin, bool at_start,
-                               ContactTable& contacts) {
-  const ColliderShape& shape = *instance.collider;
-  const Pose end = rigid.end * instance.local;
-  const Pose start = rigid.start * instance.local;
-  const double reach = (1.0 + kSlackMargins) * margin;
-  // Pairs that lie deeper than this without having come from outside are not what touches first.
-  const double deepest = std::min(kTrustedDepth, 0.25 * shape.thinnest);
-  // Over a step the pair may have moved as far as the colliders' bounds say.
-  const double travel = at_start ? step_travel_ + (end.origin - start.origin).norm() : 0.0;
-  Contact identity;
-  identity.body = body_index;
-  identity.object = rigid.object;
-  identity.child = instance.child;
-  identity.kind = ContactKind::edge;
-  for (std::size_t i = 0; i < shape.edges.size(); ++i) {
-    const ShapeEdge& edge = shape.edges[i];
-    const Vec3 a = end.to_world(edge.a), b = end.to_world(edge.b);
-    const Vec3 low = a.cwiseMin(b).array() - (reach + deepest + travel);
-    const Vec3 high = a.cwiseMax(b).array() + (reach + deepest + travel);
-    if (body_bounds_.misses(low, high, 0.0)) {
-      continue;
-    }
-    for (std::size_t e = 0; e < body.edges_.size(); ++e) {
-      const auto v0 = static_cast<std::size_t>(body.edges_[e][0]),
-                 v1 = static_cast<std::size_t>(body.edges_[e][1]);
-      const Vec3& p = body.end_positions_[v0];
-      const Vec3& q = body.end_positions_[v1];
-      if ((p.cwiseMin(q) - high).maxCoeff() > 0.0 || (low - p.cwiseMax(q)).maxCoeff() > 0.0) {
-        continue;
-      }
-      const int skin_edge = static_cast<int>(e);
+}  // namespace
+
+void ContactFinder::find_edges(const FeatureSource& source, const RigidState& rigid, ContactTable& contacts) {
+  skin();
+  const double deepest = source.deepest_edge();
+  // Over a step the pair may have moved as far as the bounds of both say.
+  const double travel = first_ ? skin_.travel() + source.travel() : 0.0;
+  const double range = reach_ + deepest + travel;
+  source.edges_in(skin_.bounds().grown(range), features_);
+  Contact name;
+  name.body = body_index_;
+  name.kind = ContactKind::edge;
+  source.identify(name);
+  for (const int i : features_) {
+    const FeatureSource::Edge edge = source.edge(i, false);
+    Bounds region = Bounds::of(edge.a);
+    region.include(edge.b);
+    skin_.edges().in_region(region.grown(range), [&](int skin_edge) {
+      const auto& ends = skin_.edge_vertices()[static_cast<std::size_t>(skin_edge)];
+      const auto v0 = static_cast<std::size_t>(ends[0]), v1 = static_cast<std::size_t>(ends[1]);
       EdgePair pair;
       double gap = 0;
       const bool apart =
-          at_start && measure_edges(body, body.positions_, edge, start, skin_edge, pair) && pair.gap > 0.0;
+          first_ && measure(source.edge(i, true), skin_, skin_edge, true, pair) && pair.gap > 0.0;
       if (apart) {
         // Follow the two points that are nearest now to the end of the step.
-        gap = pair.normal.dot(p + pair.t * (q - p) - (a + pair.s * (b - a))) - margin;
+        const Vec3 on_skin = (1.0 - pair.t) * skin_.end()[v0] + pair.t * skin_.end()[v1];
+        gap = pair.normal.dot(on_skin - (edge.a + pair.s * (edge.b - edge.a))) - margin_;
       } else {
-        if (!measure_edges(body, body.end_positions_, edge, end, skin_edge, pair)) {
-          continue;
+        if (!measure(edge, skin_, skin_edge, false, pair)) {
+          return;
         }
-        gap = pair.gap - margin;
+        gap = pair.gap - margin_;
         if (gap < -deepest) {
-          continue;
+          return;
         }
       }
-      if (gap > kSlackMargins * margin) {
-        continue;
+      if (gap > kSlackMargins * margin_) {
+        return;
       }
-      identity.rigid_feature = static_cast<int>(i);
-      identity.skin_feature = skin_edge;
-      Contact& contact = contacts.find_or_add(identity);
-      contact.rigid = instance.rigid;
-      contact.shape_index = instance.index;
+      name.rigid_feature = i;
+      name.skin_feature = skin_edge;
+      Contact& contact = contacts.find_or_add(name);
       contact.count = 2;
-      contact.points = {body.edges_[e][0], body.edges_[e][1], 0};
+      contact.points = {ends[0], ends[1], 0};
       contact.weights = {1.0 - pair.t, pair.t, 0.0};
       contact.normal = pair.normal;
       contact.gap = gap;
-      contact.arm =
-          (1.0 - pair.t) * body.impulse_points_[v0] + pair.t * body.impulse_points_[v1] - rigid.start.origin;
-      contact.rigid_point = rigid.end.to_local(a + pair.s * (b - a));
+      contact.arm = (1.0 - pair.t) * skin_.impulse_points()[v0] + pair.t * skin_.impulse_points()[v1] -
+                    rigid.start.origin;
+      source.place_edge(i, pair.s, edge.a + pair.s * (edge.b - edge.a), contact);
       contact.seen = contact.met = true;
-    }
+    });
   }
 }
 

@@ -19,33 +19,23 @@ int zone(const Vec3& weights) {
 // The skin sinks in between its vertices when it wraps round a shape, so every near face makes a contact of
 // its own, at the end of the shortest line from the shape's core. Faces that the core has already passed are
 // taken as they stand at the start of the step.
-void ContactFinder::find_faces(int body_index, const Deformable& body, const ShapeInstance& instance,
-                               const RigidState& rigid, double margin, bool at_start,
+void ContactFinder::find_faces(const ShapeInstance& instance, const RigidState& rigid,
                                ContactTable& contacts) {
+  skin();
   const ColliderShape& shape = *instance.collider;
   const Pose end = rigid.end * instance.local;
   const Pose start = rigid.start * instance.local;
   const double radius = shape.core_radius();
-  const double reach = (1.0 + kSlackMargins) * margin;
-  const double travel = at_start ? step_travel_ + (end.origin - start.origin).norm() : 0.0;
-  Bounds bounds;  // of the shape, in the world
+  const double travel = first_ ? skin_.travel() + (end.origin - start.origin).norm() : 0.0;
   const Vec3 middle = end.to_world(0.5 * (shape.bounds_min + shape.bounds_max));
   const Vec3 half = end.rotation.cwiseAbs() * (0.5 * (shape.bounds_max - shape.bounds_min));
-  bounds.low = middle - half;
-  bounds.high = middle + half;
-  if (body_bounds_.misses(bounds.low, bounds.high, reach + travel)) {
-    return;
-  }
-  Contact identity;
-  identity.body = body_index;
-  identity.object = rigid.object;
-  identity.child = instance.child;
-  identity.kind = ContactKind::face;
-  for (std::size_t f = 0; f < body.triangles_.size(); ++f) {
-    if (face_bounds_[f].misses(bounds.low, bounds.high, reach + travel)) {
-      continue;
-    }
-    const Triangle& t = body.triangles_[f];
+  const Bounds region = Bounds{middle - half, middle + half}.grown(reach_ + travel);
+  features_.clear();
+  skin_.faces().in_region(region, [&](int f) { features_.push_back(f); });
+  std::sort(features_.begin(), features_.end());
+  Contact name = identity(instance, rigid, ContactKind::face);
+  for (const int f : features_) {
+    const Triangle& t = skin_.triangle(f);
     const auto measure = [&](const std::vector<Vec3>& points, const Pose& pose,
                              ColliderShape::CoreDistance& line, Vec3& weights, Vec3& normal) {
       Vec3 local[3];
@@ -64,30 +54,30 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
     ColliderShape::CoreDistance line;
     Vec3 weights, normal;
     double gap = 0;
-    if (measure(body.end_positions_, end, line, weights, normal)) {
+    if (measure(body_->end_positions_, end, line, weights, normal)) {
       const SurfaceDistance surface = shape.distance(line.on_triangle);  // GJK's own figure is a rough one
-      gap = surface.distance - margin;
+      gap = surface.distance - margin_;
       normal = end.rotation * surface.normal;
-    } else if (at_start && measure(body.positions_, start, line, weights, normal)) {
+    } else if (first_ && measure(body_->positions_, start, line, weights, normal)) {
       normal = start.rotation * normal;
       Vec3 skin = Vec3::Zero();
       for (std::size_t k = 0; k < 3; ++k) {
-        skin += weights[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+        skin += weights[static_cast<Eigen::Index>(k)] * body_->end_positions_[static_cast<std::size_t>(t[k])];
       }
-      gap = normal.dot(skin - end.to_world(line.on_core)) - radius - margin;
-    } else if (!sample_face(body, t, shape, end, weights, normal, gap)) {
+      gap = normal.dot(skin - end.to_world(line.on_core)) - radius - margin_;
+    } else if (!sample_face(t, shape, end, weights, normal, gap)) {
       continue;
     } else {
-      gap -= margin;
+      gap -= margin_;
     }
-    if (gap > kSlackMargins * margin) {
+    if (gap > kSlackMargins * margin_) {
       continue;
     }
-    identity.skin_feature = static_cast<int>(f);
-    identity.rigid_feature = zone(weights);
-    Contact& contact = contacts.find_or_add(identity);
+    name.skin_feature = f;
+    name.rigid_feature = zone(weights);
+    Contact& contact = contacts.find_or_add(name);
     if (contact.count != 0) {
-      continue;  // a point of this zone is there already, and stays where it is: see follow_face
+      continue;  // a point of this zone is there already, and stays where it is: see refresh_face
     }
     contact.rigid = instance.rigid;
     contact.shape_index = instance.index;
@@ -95,17 +85,17 @@ void ContactFinder::find_faces(int body_index, const Deformable& body, const Sha
     contact.gap = gap;
     Vec3 skin = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
-      skin += weights[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+      skin += weights[static_cast<Eigen::Index>(k)] * body_->end_positions_[static_cast<std::size_t>(t[k])];
     }
-    contact.rigid_point = rigid.end.to_local(skin - (gap + margin) * normal);
-    place_on_face(body, static_cast<int>(f), weights, rigid, contact);
+    contact.rigid_point = rigid.end.to_local(skin - (gap + margin_) * normal);
+    place_on_face(f, weights, rigid, contact);
     contact.seen = contact.met = true;
   }
 }
 
 // Where the core of a shape has got into a face: the deepest of ten points spread over it.
-bool ContactFinder::sample_face(const Deformable& body, const Triangle& t, const ColliderShape& shape,
-                                const Pose& pose, Vec3& weights, Vec3& normal, double& distance) {
+bool ContactFinder::sample_face(const Triangle& t, const ColliderShape& shape, const Pose& pose,
+                                Vec3& weights, Vec3& normal, double& distance) const {
   distance = 0.0;
   for (int i = 0; i <= 3; ++i) {
     for (int j = 0; j <= 3 - i; ++j) {
@@ -115,7 +105,7 @@ bool ContactFinder::sample_face(const Deformable& body, const Triangle& t, const
       }
       Vec3 point = Vec3::Zero();
       for (std::size_t k = 0; k < 3; ++k) {
-        point += w[static_cast<Eigen::Index>(k)] * body.end_positions_[static_cast<std::size_t>(t[k])];
+        point += w[static_cast<Eigen::Index>(k)] * body_->end_positions_[static_cast<std::size_t>(t[k])];
       }
       const SurfaceDistance surface = shape.distance(pose.to_local(point));
       if (surface.distance < distance) {
@@ -129,28 +119,25 @@ bool ContactFinder::sample_face(const Deformable& body, const Triangle& t, const
 }
 
 // A point of a face, once it has touched, is a point of the material: measured like a vertex.
-void ContactFinder::follow_face(const Deformable& body, const ShapeInstance& instance,
-                                const RigidState& rigid, double margin, Contact& contact) {
+bool ContactFinder::refresh_face(const ShapeInstance& instance, const RigidState& rigid,
+                                 Contact& contact) const {
   const Pose end = rigid.end * instance.local;
-  Vec3 point = Vec3::Zero();
-  Vec3 weights;
-  for (std::size_t k = 0; k < 3; ++k) {
-    point += contact.weights[k] * body.end_positions_[static_cast<std::size_t>(contact.points[k])];
-    weights[static_cast<Eigen::Index>(k)] = contact.weights[k];
-  }
+  const Vec3 point = skin_point(contact);
+  const Vec3 weights(contact.weights[0], contact.weights[1], contact.weights[2]);
   const SurfaceDistance surface = instance.collider->distance(end.to_local(point));
   const Vec3 normal = end.rotation * surface.normal;
-  const double gap = surface.distance - margin;
+  const double gap = surface.distance - margin_;
   if (contact.met && gap < 0.0 && contact.normal.dot(normal) < kSameSide) {
     // The other side of the shape is nearer now: stay on the plane it had.
-    contact.gap = contact.normal.dot(point - rigid.end.to_world(contact.rigid_point)) - margin;
+    contact.gap = contact.normal.dot(point - rigid.end.to_world(contact.rigid_point)) - margin_;
   } else {
     contact.normal = normal;
     contact.gap = gap;
     contact.rigid_point = rigid.end.to_local(point - surface.distance * normal);
   }
   contact.rigid = instance.rigid;
-  place_on_face(body, contact.skin_feature, weights, rigid, contact);
+  place_on_face(contact.skin_feature, weights, rigid, contact);
+  return true;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

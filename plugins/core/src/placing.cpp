@@ -19,12 +19,49 @@ void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionSha
     }
     return;
   }
-  const ColliderShape& collider = shapes_.get(shape);
-  if (collider.kind == ColliderShape::Kind::unsupported) {
+  const ColliderShape* collider = nullptr;
+  if (is_mesh(shape)) {
+    collider = &mesh_patch(body, rigid, static_cast<const btConcaveShape&>(shape), local, child);
+  } else {
+    collider = &shapes_.get(shape);
+  }
+  if (collider->kind == ColliderShape::Kind::unsupported) {
     ++profile.counts.pairs_skipped;
     return;
   }
-  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, child++, &collider, local}});
+  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, child++, collider, local}});
+}
+
+// The part of a mesh that a body may meet in this step.
+const ColliderShape& DeformableSystem::Impl::mesh_patch(int body, int rigid, const btConcaveShape& shape,
+                                                        const Pose& local, int child) {
+  const RigidState& state = rigid_[rigid];
+  Bounds region;
+  bool begun = false;
+  const Bounds& near = step_bounds_[static_cast<std::size_t>(body)];
+  for (const Pose& placed : {state.start * local, state.end * local}) {
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner(i & 1 ? near.high.x() : near.low.x(), i & 2 ? near.high.y() : near.low.y(),
+                        i & 4 ? near.high.z() : near.low.z());
+      const Vec3 p = placed.to_local(corner);
+      begun ? region.include(p) : void(region = Bounds::of(p));
+      begun = true;
+    }
+  }
+  bool fresh = false;
+  const ColliderShape& patch = patches_.get(body, *state.object, child, shape, region, fresh);
+  if (fresh) {
+    ++profile.counts.mesh_patches;
+    // Its corners and edges have other numbers now: what they carried is given back in this step.
+    for (Contact& contact : contacts_.all()) {
+      if (contact.body == body && contact.object == state.object && contact.child == child &&
+          (contact.kind == ContactKind::corner || contact.kind == ContactKind::edge)) {
+        contact.rigid_feature = -2 - std::abs(contact.rigid_feature);
+      }
+    }
+    contacts_.reindex();
+  }
+  return patch;
 }
 
 // The broadphase knew the bounds of the last step. Where handles, impulses or a longer step take a body
@@ -46,7 +83,9 @@ void DeformableSystem::Impl::add_pairs_ahead() {
         return true;
       }
       for (const Pair& pair : impl->pairs_) {
-        if (pair.body == body && pair.other == object) {
+        if ((pair.body == body && pair.other == object) ||
+            (pair.other == impl->bodies[static_cast<std::size_t>(body)] &&
+             impl->bodies[static_cast<std::size_t>(pair.body)] == object)) {
           return true;
         }
       }
@@ -57,39 +96,42 @@ void DeformableSystem::Impl::add_pairs_ahead() {
     int body = 0;
   } query;
   query.impl = this;
+  step_bounds_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Deformable& body = *bodies[b];
-    Vec3 low = body.end_positions_.front(), high = low;
-    const auto include = [&](const Vec3& p) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    };
+    Bounds end = Bounds::of(body.end_positions_.front());
     for (const Vec3& p : body.end_positions_) {
-      include(p);
+      end.include(p);
     }
     for (const Handle& held : handles) {
       if (held.body == static_cast<int>(b)) {
-        include(held.target);
+        end.include(held.target);
       }
     }
-    const Vec3 known_low = from_bullet(body.m_bounds[0]), known_high = from_bullet(body.m_bounds[1]);
-    if (((low - known_low).array() >= 0.0).all() && ((known_high - high).array() >= 0.0).all()) {
+    const Bounds known{from_bullet(body.m_bounds[0]), from_bullet(body.m_bounds[1])};
+    if (!end.low.allFinite() || !end.high.allFinite()) {
+      end = known;  // the guard will see to it
+    }
+    Bounds step = end;
+    for (const Vec3& p : body.positions_) {
+      step.include(p);
+    }
+    step_bounds_[b] = step.grown(5.0 * settings.margin);
+    if (known.contains(end)) {
       continue;
     }
-    low = low.cwiseMin(known_low);
-    high = high.cwiseMax(known_high);
-    if (!low.allFinite() || !high.allFinite()) {
-      continue;  // the guard will see to it
-    }
+    end.include(known);
     query.body = static_cast<int>(b);
-    world.getBroadphase()->aabbTest(to_bullet(low), to_bullet(high), query);
+    world.getBroadphase()->aabbTest(to_bullet(end.low), to_bullet(end.high), query);
     ++profile.counts.swept_queries;
   }
 }
 
 void DeformableSystem::Impl::place_colliders(double dt) {
   shapes_.begin_substep();
+  patches_.begin_substep();
   placed_.clear();
+  skin_pairs_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
   add_pairs_ahead();
   for (const Pair& pair : pairs_) {
@@ -98,6 +140,11 @@ void DeformableSystem::Impl::place_colliders(double dt) {
       continue;
     }
     const int rigid = rigid_.find_or_add(pair.other, dt);
+    if (const int other = index_of(pair.other); other >= 0) {
+      skin_pairs_.push_back(
+          {pair.body, other, rigid_.find_or_add(bodies[static_cast<std::size_t>(pair.body)], dt), rigid});
+      continue;
+    }
     int child = 0;
     add_shape(pair.body, rigid, *pair.other->getCollisionShape(), Pose(), child);
   }
@@ -105,6 +152,15 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   for (Contact& contact : contacts_.all()) {
     contact.rigid = rigid_.find_or_add(contact.object, dt);
     contact.shape_index = -1;
+    if (contact.rigid_feature < -1) {
+      continue;  // of a patch that is gone
+    }
+    contact.other_body = index_of(contact.object);
+    for (std::size_t i = 0; i < skin_pairs_.size(); ++i) {
+      if (skin_pairs_[i].joins(contact.body, contact.other_body)) {
+        contact.shape_index = static_cast<int>(i);
+      }
+    }
     for (const PlacedShape& placed : placed_) {
       if (placed.body == contact.body && placed.instance.rigid == contact.rigid &&
           placed.instance.child == contact.child) {
@@ -122,7 +178,10 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     profile.counts.without_pairs +=
-        std::none_of(placed_.begin(), placed_.end(), [&](const PlacedShape& p) { return p.body == int(b); });
+        std::none_of(placed_.begin(), placed_.end(),
+                     [&](const PlacedShape& p) { return p.body == int(b); }) &&
+        std::none_of(skin_pairs_.begin(), skin_pairs_.end(),
+                     [&](const SkinPair& p) { return p.first == int(b) || p.second == int(b); });
   }
 }
 

@@ -23,14 +23,13 @@ void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, con
 }
 
 void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) {
-  std::erase_if(pairs_, [&](const Pair& p) {
-    return p.other == other && bodies[static_cast<std::size_t>(p.body)] == deformable;
-  });
-  std::erase_if(contact_points,
-                [&](const ContactPoint& p) { return p.body == deformable && p.other == other; });
-  const auto gone = [&](const Contact& c) {
-    return c.object == other && bodies[static_cast<std::size_t>(c.body)] == deformable;
+  const auto joins = [&](const btCollisionObject* a, const btCollisionObject* b) {
+    return (a == deformable && b == other) || (a == other && b == deformable);
   };
+  const auto gone = [&](const auto& c) { return joins(bodies[static_cast<std::size_t>(c.body)], c.object); };
+  std::erase_if(pairs_,
+                [&](const Pair& p) { return joins(bodies[static_cast<std::size_t>(p.body)], p.other); });
+  std::erase_if(contact_points, [&](const ContactPoint& p) { return joins(p.body, p.other); });
   if (std::any_of(contacts_.all().begin(), contacts_.all().end(), gone)) {
     contacts_.erase_if(gone);
   }
@@ -105,45 +104,85 @@ double DeformableSystem::Impl::detect(bool first) {
     contact.seen = false;
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const Deformable& body = *bodies[b];
-    ContactFinder& finder = finders_[b];
-    const int index = static_cast<int>(b);
-    bool begun = false;
-    for (const PlacedShape& placed : placed_) {
-      if (placed.body != index) {
-        continue;
-      }
-      const RigidState& rigid = rigid_[placed.instance.rigid];
-      finder.find_vertices(index, body, placed.instance, rigid, settings.margin, contacts_);
-      const ColliderShape& shape = *placed.instance.collider;
-      if (shape.kind == ColliderShape::Kind::plane) {
-        continue;  // a plane touches vertices only
-      }
-      if (!begun) {
-        finder.begin_pass(body);
-        begun = true;
-      }
-      if (shape.meets_faces()) {
-        finder.find_faces(index, body, placed.instance, rigid, settings.margin, first, contacts_);
-      } else {
-        finder.find_corners(index, body, placed.instance, rigid, settings.margin, contacts_);
-        finder.find_edges(index, body, placed.instance, rigid, settings.margin, first, contacts_);
-      }
-    }
+    finders_[b].begin_pass(static_cast<int>(b), *bodies[b], settings.margin, first);
+  }
+  for (const PlacedShape& placed : placed_) {
+    detect_on_shape(placed);
+  }
+  for (std::size_t i = 0; i < skin_pairs_.size(); ++i) {
+    detect_between(skin_pairs_[i], static_cast<int>(i));
   }
   double worst = 0.0;
   for (Contact& contact : contacts_.all()) {
     if (!contact.seen && contact.shape_index >= 0 && (contact.met || contact.kind == ContactKind::face)) {
-      const ShapeInstance& instance = placed_[static_cast<std::size_t>(contact.shape_index)].instance;
-      const auto b = static_cast<std::size_t>(contact.body);
-      contact.seen =
-          finders_[b].refresh(*bodies[b], instance, rigid_[instance.rigid], settings.margin, contact);
+      contact.seen = refresh(contact);
     }
     if (contact.seen) {
       worst = std::max(worst, -contact.gap);
     }
   }
   return worst;
+}
+
+void DeformableSystem::Impl::detect_on_shape(const PlacedShape& placed) {
+  ContactFinder& finder = finders_[static_cast<std::size_t>(placed.body)];
+  const ColliderShape& shape = *placed.instance.collider;
+  const RigidState& rigid = rigid_[placed.instance.rigid];
+  if (shape.kind == ColliderShape::Kind::mesh) {
+    finder.find_vertices_on_mesh(placed.instance, rigid, contacts_);
+  } else {
+    finder.find_vertices(placed.instance, rigid, contacts_);
+  }
+  if (shape.meets_faces()) {
+    finder.find_faces(placed.instance, rigid, contacts_);
+  } else if (!shape.corners.empty()) {  // a plane touches vertices only
+    const RigidFeatures features(placed.instance, rigid);
+    finder.find_corners(features, rigid, contacts_);
+    finder.find_edges(features, rigid, contacts_);
+  }
+}
+
+// Vertices of each against the other's faces, edges against edges.
+void DeformableSystem::Impl::detect_between(const SkinPair& pair, int index) {
+  ContactFinder& first = finders_[static_cast<std::size_t>(pair.first)];
+  ContactFinder& second = finders_[static_cast<std::size_t>(pair.second)];
+  const SkinFeatures of_first(first.skin(), pair.first, pair.first_rigid, index);
+  const SkinFeatures of_second(second.skin(), pair.second, pair.second_rigid, index);
+  first.find_corners(of_second, rigid_[pair.second_rigid], contacts_);
+  second.find_corners(of_first, rigid_[pair.first_rigid], contacts_);
+  first.find_edges(of_second, rigid_[pair.second_rigid], contacts_);
+}
+
+bool DeformableSystem::Impl::refresh(Contact& contact) {
+  ContactFinder& finder = finders_[static_cast<std::size_t>(contact.body)];
+  const RigidState& rigid = rigid_[contact.rigid];
+  if (contact.kind == ContactKind::corner && contact.other_body >= 0) {
+    const Skin& other = finders_[static_cast<std::size_t>(contact.other_body)].skin();
+    return finder.refresh_corner(SkinFeatures(other, contact.other_body, contact.rigid, contact.shape_index),
+                                 rigid, contact);
+  }
+  if (contact.kind == ContactKind::corner) {
+    const ShapeInstance& instance = placed_[static_cast<std::size_t>(contact.shape_index)].instance;
+    return finder.refresh_corner(RigidFeatures(instance, rigid), rigid, contact);
+  }
+  if (contact.kind == ContactKind::face) {
+    return finder.refresh_face(placed_[static_cast<std::size_t>(contact.shape_index)].instance, rigid,
+                               contact);
+  }
+  finder.refresh_on_plane(other_point(contact), contact);
+  return true;
+}
+
+Vec3 DeformableSystem::Impl::other_point(const Contact& contact) const {
+  if (contact.other_body < 0) {
+    return rigid_[contact.rigid].end.to_world(contact.rigid_point);
+  }
+  const Deformable& other = *bodies[static_cast<std::size_t>(contact.other_body)];
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(contact.other_count); ++k) {
+    sum += contact.other_weights[k] * other.end_positions_[static_cast<std::size_t>(contact.other_points[k])];
+  }
+  return sum;
 }
 
 // Friction and restitution as the two objects have them now, and the speed of impacts that just begin.
@@ -161,9 +200,16 @@ void DeformableSystem::Impl::prepare_contacts(double dt) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
         velocity += contact.weights[k] * body.velocities()[static_cast<std::size_t>(contact.points[k])];
       }
+      for (std::size_t k = 0; contact.other_body >= 0 && k < static_cast<std::size_t>(contact.other_count);
+           ++k) {
+        velocity -=
+            contact.other_weights[k] * bodies[static_cast<std::size_t>(contact.other_body)]
+                                           ->velocities()[static_cast<std::size_t>(contact.other_points[k])];
+      }
       // Gravity has already acted over the whole step; what hits is the speed before it (two falling
       // bodies do not feel it).
-      contact.fall_speed = other.movable() ? 0.0 : std::max(-dt * contact.normal.dot(gravity_on(body)), 0.0);
+      const bool both_fall = other.movable() || contact.other_body >= 0;
+      contact.fall_speed = both_fall ? 0.0 : std::max(-dt * contact.normal.dot(gravity_on(body)), 0.0);
       const double speed = -contact.normal.dot(velocity) - contact.fall_speed;
       contact.approach = speed > settings.rebound_speed ? speed : 0.0;
     }
@@ -176,7 +222,7 @@ Vec3 DeformableSystem::Impl::gravity_on(const Deformable& body) const {
 }
 
 void DeformableSystem::Impl::solve_contacts(double dt) {
-  if (placed_.empty() && contacts_.all().empty() && handles.empty()) {
+  if (placed_.empty() && skin_pairs_.empty() && contacts_.all().empty() && handles.empty()) {
     profile.counts.without_contacts = static_cast<int>(bodies.size());
     return;
   }
@@ -202,9 +248,9 @@ void DeformableSystem::Impl::solve_contacts(double dt) {
     solver_.solve(bodies, contacts_.all(), handles, support_, rigid_, settings, profile);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    profile.counts.without_contacts +=
-        std::none_of(contacts_.all().begin(), contacts_.all().end(),
-                     [&](const Contact& c) { return c.body == int(b) && c.seen; });
+    profile.counts.without_contacts += std::none_of(
+        contacts_.all().begin(), contacts_.all().end(),
+        [&](const Contact& c) { return (c.body == int(b) || c.other_body == int(b)) && c.seen; });
   }
   rigid_.write_back();
   support_.write_back();
@@ -245,7 +291,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
     point.normal = contact.normal;
     point.force = contact.impulse / dt;
     // What is left, not what was solved for.
-    point.gap = contact.normal.dot(point.point - rigid_[contact.rigid].end.to_world(contact.rigid_point));
+    point.gap = contact.normal.dot(point.point - other_point(contact));
     contact_points.push_back(point);
   }
   contacts_.erase_if([](const Contact& contact) { return contact.unpaired; });
@@ -253,7 +299,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
 
 // What the guard has put back must not be poisoned again by the impulses that led there.
 void DeformableSystem::Impl::forget_impulses(int body) {
-  contacts_.erase_if([&](const Contact& c) { return c.body == body; });
+  contacts_.erase_if([&](const Contact& c) { return c.body == body || c.other_body == body; });
   for (Handle& held : handles) {
     if (held.body == body) {
       held.impulse.setZero();
@@ -269,7 +315,7 @@ void DeformableSystem::Impl::commit(double dt) {
       body->finish(dt);
       if (body->guard_fired() != fired) {
         ++profile.totals.guard_fired;
-        forget_impulses(index_of(*body));
+        forget_impulses(index_of(body));
       }
     }
   }

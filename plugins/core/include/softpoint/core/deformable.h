@@ -90,6 +90,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   friend class ContactFinder;
   friend class ContactSolver;
   friend class HandleSolver;
+  friend class Skin;
 
   void begin(double dt, const Vec3& gravity);
   void finish(double dt);

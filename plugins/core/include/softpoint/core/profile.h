@@ -27,6 +27,7 @@ struct Profile {
     int pairs = 0;             // (deformable, collider) pairs the broadphase let through
     int pairs_skipped = 0;     // pairs whose shapes have no contact with deformables (see README)
     int swept_queries = 0;     // bodies that move farther than the broadphase knew
+    int mesh_patches = 0;      // patches of triangle meshes collected anew
     int contacts = 0;          // contact points handed to the solver in the last pass
     int support_points = 0;    // rigid-rigid contact points re-solved together with ours
     int handles = 0;           // held points

@@ -1,6 +1,5 @@
-#include "facets.h"
+#include "shape_features.h"
 
-#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
 #include <LinearMath/btConvexHullComputer.h>
 
 #include <algorithm>
@@ -11,8 +10,8 @@ namespace {
 
 // What the grid of the hull calls one face may be several, folded along one diagonal or another: the fan is
 // right whose triangles all points lie behind.
-void add_facets(ColliderShape& shape, const std::vector<Vec3>& points, const std::vector<Vec3>& loop,
-                double size) {
+void add_face(ColliderShape& shape, const std::vector<Vec3>& points, const std::vector<Vec3>& loop,
+              double size) {
   const std::size_t before = shape.facets.size();
   for (std::size_t a = 0; a < loop.size(); ++a) {
     bool whole = true;
@@ -42,17 +41,7 @@ void add_facets(ColliderShape& shape, const std::vector<Vec3>& points, const std
 
 }  // namespace
 
-void add_facets(ColliderShape& shape) {
-  if (!shape.convex->isPolyhedral()) {
-    return;
-  }
-  const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(*shape.convex);
-  std::vector<Vec3> points;
-  for (int i = 0; i < polyhedron.getNumVertices(); ++i) {
-    btVector3 v;
-    polyhedron.getVertex(i, v);
-    points.push_back(from_bullet(v));
-  }
+void add_hull_facets(ColliderShape& shape, const std::vector<Vec3>& points) {
   if (points.size() < 4) {
     return;  // flat: it has no inside
   }
@@ -75,7 +64,7 @@ void add_facets(ColliderShape& shape) {
       loop.push_back(point(edge->getSourceVertex()));
       edge = edge->getNextEdgeOfFace();
     } while (edge != first);
-    add_facets(shape, points, loop, size);
+    add_face(shape, points, loop, size);
   }
 }
 
