@@ -45,7 +45,7 @@ void ContactFinder::find_corners(const FeatureSource& source, const RigidState& 
     if (hit.distance - margin_ > kSlackMargins * margin_) {
       continue;
     }
-    const Vec3 direction = source.press_direction(i, skin_.smooth_normal(hit.face, hit.weights));
+    const Vec3 direction = source.press_direction(i, skin_.smooth_normal(hit.face, hit.weights), hit.outward);
     if (direction == Vec3::Zero()) {
       continue;
     }

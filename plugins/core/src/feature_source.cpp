@@ -49,7 +49,7 @@ FeatureSource::Edge RigidFeatures::edge(int index, bool at_start) const {
 }
 
 // Against the skin's normal, but within the cone of directions in which the corner is foremost.
-Vec3 RigidFeatures::press_direction(int corner, const Vec3& skin_normal) const {
+Vec3 RigidFeatures::press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const {
   const auto& edges = shape_.corner_edges[static_cast<std::size_t>(corner)];
   Vec3 direction = -(end_.rotation.transpose() * skin_normal).normalized();
   for (int round = 0; round < 3; ++round) {
@@ -58,15 +58,15 @@ Vec3 RigidFeatures::press_direction(int corner, const Vec3& skin_normal) const {
     }
   }
   const double length = direction.norm();
+  const bool mesh = shape_.kind == ColliderShape::Kind::mesh;
   if (!(length > 1e-6)) {
-    return Vec3::Zero();
+    return mesh ? Vec3(Vec3::Zero()) : Vec3(-outward);
   }
   direction /= length;
-  constexpr double kHollow = 0.1;  // sine; a corner in a hollow cannot press
-  for (const Vec3& edge : edges) {
-    if (direction.dot(edge) > kHollow) {
-      return Vec3::Zero();
-    }
+  constexpr double kHollow = 0.1;  // sine
+  if (mesh && std::any_of(edges.begin(), edges.end(),
+                          [&](const Vec3& edge) { return direction.dot(edge) > kHollow; })) {
+    return Vec3::Zero();
   }
   return end_.rotation * direction;
 }
@@ -128,10 +128,10 @@ FeatureSource::Edge SkinFeatures::edge(int index, bool at_start) const {
 }
 
 // Half way between the two smooth normals.
-Vec3 SkinFeatures::press_direction(int corner, const Vec3& skin_normal) const {
+Vec3 SkinFeatures::press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const {
   const Vec3 direction = skin_.vertex_normal(corner).normalized() - skin_normal.normalized();
   const double length = direction.norm();
-  return length > 0.2 ? Vec3(direction / length) : Vec3(Vec3::Zero());
+  return length > 0.2 ? Vec3(direction / length) : Vec3(-outward);
 }
 
 double SkinFeatures::deepest_edge() const { return std::min(kDeepestEdge, 0.05 * skin_.size().minCoeff()); }

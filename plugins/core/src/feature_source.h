@@ -27,9 +27,9 @@ class FeatureSource {
   virtual void edges_in(const Bounds& region, std::vector<int>& out) const = 0;
   virtual Corner corner(int index) const = 0;
   virtual Edge edge(int index, bool at_start) const = 0;
-  // The unit direction in which a corner presses against a skin with this outward normal, or zero where the
-  // corner is not the foremost point of its surroundings.
-  virtual Vec3 press_direction(int corner, const Vec3& skin_normal) const = 0;
+  // The unit direction in which a corner presses against a skin with this smooth normal, `outward` being the
+  // way out of the skin; zero where the corner lies in a hollow and cannot press.
+  virtual Vec3 press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const = 0;
   // Farthest any feature moves over the step (m).
   virtual double travel() const = 0;
   // Edges that lie deeper than this (m) without having come from outside are not what touches first.
@@ -50,7 +50,7 @@ class RigidFeatures final : public FeatureSource {
   void edges_in(const Bounds& region, std::vector<int>& out) const override;
   Corner corner(int index) const override;
   Edge edge(int index, bool at_start) const override;
-  Vec3 press_direction(int corner, const Vec3& skin_normal) const override;
+  Vec3 press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const override;
   double travel() const override { return (end_.origin - start_.origin).norm(); }
   double deepest_edge() const override;
   void identify(Contact& contact) const override;
@@ -75,7 +75,7 @@ class SkinFeatures final : public FeatureSource {
   void edges_in(const Bounds& region, std::vector<int>& out) const override;
   Corner corner(int index) const override;
   Edge edge(int index, bool at_start) const override;
-  Vec3 press_direction(int corner, const Vec3& skin_normal) const override;
+  Vec3 press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const override;
   double travel() const override { return skin_.travel(); }
   double deepest_edge() const override;
   void identify(Contact& contact) const override;
