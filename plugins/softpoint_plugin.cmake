@@ -74,6 +74,9 @@ function(softpoint_compile_settings target)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
     set(visibility default)  # UBSan compares the addresses of Bullet's type information
   endif()
+  if(SOFTPOINT_FUZZ)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+  endif()
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET ${visibility}

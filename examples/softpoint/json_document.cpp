@@ -52,9 +52,15 @@ class Builder final : public nlohmann::json_sax<json> {
     const auto end = text_.begin() + static_cast<std::ptrdiff_t>(std::min(position, text_.size()));
     const auto line = std::count(text_.begin(), end, '\n') + 1;
     const auto line_start = std::find(std::make_reverse_iterator(end), text_.rend(), '\n').base();
-    throw Error(fmt::format("{}:{}:{}: {}{}", file_, line, std::max<std::ptrdiff_t>(end - line_start, 1),
+    // JSON knows no NaN and no infinity, and takes no number that is too large for a double.
+    const auto word = token.find_last_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ") + 1;
+    const bool no_number =
+        error.id == 406 ||
+        (word < token.size() && std::string_view("NnIi").find(token[word]) != std::string_view::npos);
+    throw Error(fmt::format("{}:{}:{}: {}{}{}{}", file_, line, std::max<std::ptrdiff_t>(end - line_start, 1),
+                            open_.empty() ? "" : "near " + value_path() + ": ",
                             token.empty() ? "" : fmt::format("at '{}': ", token.substr(0, 60)),
-                            explanation(error.what())));
+                            explanation(error.what()), no_number ? "; permitted are finite numbers" : ""));
   }
 
  private:
@@ -107,6 +113,14 @@ class Builder final : public nlohmann::json_sax<json> {
       result += level.value->is_array() ? std::to_string(level.value->size() - 1) : pointer_token(level.key);
     }
     return result;
+  }
+
+  // Of the value being read, or the one read last.
+  std::string value_path() const {
+    const Level& level = open_.back();
+    return fmt::format(
+        "{}/{}", path(),
+        level.value->is_array() ? std::to_string(level.value->size()) : pointer_token(level.key));
   }
 
   // The library's text without its own head "[json.exception.parse_error.101] parse error at line 1,

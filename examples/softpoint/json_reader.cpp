@@ -141,8 +141,8 @@ bool ObjectReader::optional_object(std::string_view key, const std::string& doc,
   return nested(key, doc, false, read);
 }
 
-const json* ObjectReader::find_list(std::string_view key, const std::string& item_type,
-                                    const ListSpec& spec) {
+const json* ObjectReader::find_list(std::string_view key, const std::string& item_type, const ListSpec& spec,
+                                    std::optional<NumberLimits> limits) {
   std::string length;
   if (spec.max < std::numeric_limits<int>::max()) {
     length = spec.min == spec.max ? fmt::format("{} of them", spec.min)
@@ -151,7 +151,7 @@ const json* ObjectReader::find_list(std::string_view key, const std::string& ite
     length = fmt::format("{} or more of them", spec.min);
   }
   const SchemaEntry entry{
-      "", "", "list of " + item_type, length, spec.optional ? "optional" : "required", spec.doc};
+      "", "", "list of " + item_type, length, spec.optional ? "optional" : "required", spec.doc, limits};
   const json* value = find(key, entry, !spec.optional);
   if (value == nullptr) {
     return nullptr;

@@ -28,8 +28,8 @@ using ReadItem = std::function<void(ObjectReader&, int index)>;
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-// `low` and `high` in SI units, both permitted unless `above` says that `low` is not. A key without
-// `fallback` is required.
+// `low` and `high` in SI units, both permitted unless `above` says that `low` is not; documents of this
+// program set both, so that no number in them overflows. A key without `fallback` is required.
 struct NumberSpec {
   Quantity quantity = Quantity::kNumber;
   double low = -kNoLimit;
@@ -155,7 +155,8 @@ class ObjectReader {
   explicit ObjectReader(std::unique_ptr<State> state);
 
   const nlohmann::json* find(std::string_view key, const SchemaEntry& entry, bool required);
-  const nlohmann::json* find_list(std::string_view key, const std::string& item_type, const ListSpec& spec);
+  const nlohmann::json* find_list(std::string_view key, const std::string& item_type, const ListSpec& spec,
+                                  std::optional<NumberLimits> limits = std::nullopt);
   double number_at(const nlohmann::json& value, const std::string& path, const NumberSpec& spec) const;
   int integer_at(const nlohmann::json& value, std::string_view key, const IntegerSpec& spec) const;
   Vec3 vec3_at(const nlohmann::json& value, std::string_view key, const Vec3Spec& spec) const;

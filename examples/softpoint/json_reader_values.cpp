@@ -41,9 +41,13 @@ std::string vec3_text(const Vec3& v) {
 double any_permitted(double low, double high) { return std::clamp(1.0, low, high); }
 
 SchemaEntry number_entry(const NumberSpec& spec, const std::string& absent) {
-  return {
-      "",     "",      number_type(spec.quantity), range_text(spec.quantity, spec.low, spec.high, spec.above),
-      absent, spec.doc};
+  return {"",
+          "",
+          number_type(spec.quantity),
+          range_text(spec.quantity, spec.low, spec.high, spec.above),
+          absent,
+          spec.doc,
+          NumberLimits{spec.low, spec.high, spec.above, false}};
 }
 
 std::string integer_range(const IntegerSpec& spec) {
@@ -53,14 +57,25 @@ std::string integer_range(const IntegerSpec& spec) {
 }
 
 SchemaEntry integer_entry(const IntegerSpec& spec, const std::string& absent) {
-  return {"", "", "integer", integer_range(spec), absent, spec.doc};
+  return {"",
+          "",
+          "integer",
+          integer_range(spec),
+          absent,
+          spec.doc,
+          NumberLimits{static_cast<double>(spec.low), static_cast<double>(spec.high), false, true}};
 }
 
 NumberSpec component(const Vec3Spec& spec) { return {spec.quantity, spec.low, spec.high, false, {}, ""}; }
 
 SchemaEntry vec3_entry(const Vec3Spec& spec, const std::string& absent) {
-  return {"",     "",      vec3_type(spec.quantity), range_text(spec.quantity, spec.low, spec.high, false),
-          absent, spec.doc};
+  return {"",
+          "",
+          vec3_type(spec.quantity),
+          range_text(spec.quantity, spec.low, spec.high, false),
+          absent,
+          spec.doc,
+          NumberLimits{spec.low, spec.high, false, false}};
 }
 
 }  // namespace
@@ -255,7 +270,8 @@ std::vector<int> ObjectReader::indices(std::string_view key, const IndexListSpec
   if (!describing()) {
     list.max = spec.count;
   }
-  const json* value = find_list(key, "integers, " + spec.of + " counted from 0", list);
+  const json* value = find_list(key, "integers, " + spec.of + " counted from 0", list,
+                                NumberLimits{0.0, std::numeric_limits<int>::max(), false, true});
   std::vector<int> result;
   if (value == nullptr) {
     return result;
@@ -284,8 +300,8 @@ std::vector<int> ObjectReader::indices(std::string_view key, const IndexListSpec
 std::vector<double> ObjectReader::numbers(std::string_view key, const NumberSpec& item,
                                           const ListSpec& spec) {
   const std::string range = range_text(item.quantity, item.low, item.high, item.above);
-  const json* value =
-      find_list(key, number_type(item.quantity) + (range.empty() ? "" : " (" + range + ")"), spec);
+  const json* value = find_list(key, number_type(item.quantity) + (range.empty() ? "" : " (" + range + ")"),
+                                spec, NumberLimits{item.low, item.high, item.above, false});
   std::vector<double> result;
   if (value != nullptr) {
     for (std::size_t k = 0; k < value->size(); ++k) {

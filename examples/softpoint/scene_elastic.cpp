@@ -12,15 +12,17 @@ namespace {
 elastic::Material read_material(ObjectReader& item) {
   elastic::Material material;
   item.object("material", "linear, isotropic, homogeneous", [&](ObjectReader& reader) {
-    material.young = reader.number(
-        "young", {.quantity = Quantity::kPressure, .low = 0.0, .above = true, .doc = "Young's modulus"});
+    material.young = reader.number("young", {.quantity = Quantity::kPressure,
+                                             .low = elastic::kMinYoung,
+                                             .high = elastic::kMaxYoung,
+                                             .doc = "Young's modulus"});
     material.poisson = reader.number("poisson", {.low = elastic::kMinPoisson,
                                                  .high = elastic::kMaxPoisson,
                                                  .fallback = material.poisson,
                                                  .doc = "Poisson's ratio"});
     material.density = reader.number("density", {.quantity = Quantity::kDensity,
-                                                 .low = 0.0,
-                                                 .above = true,
+                                                 .low = elastic::kMinDensity,
+                                                 .high = elastic::kMaxDensity,
                                                  .fallback = material.density,
                                                  .doc = "mass per volume"});
   });

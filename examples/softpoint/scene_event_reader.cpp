@@ -8,6 +8,7 @@
 #include "json_reader_state.h"
 #include "nearest.h"
 #include "scene_event_order.h"
+#include "scene_limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
@@ -81,7 +82,8 @@ void EventReader::read_grab(ObjectReader& item) {
       "vertex", {.low = 0,
                  .high = item.describing() ? std::numeric_limits<int>::max() : count - 1,
                  .doc = "counted from 0; or near"});
-  const auto near = item.optional_vec3("near", {.quantity = Quantity::kLength, .doc = kNearDoc});
+  const auto near = item.optional_vec3(
+      "near", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace, .doc = kNearDoc});
   if (!item.describing() && vertex.has_value() == near.has_value()) {
     item.refuse("permitted is one of: vertex, near");
   }
@@ -93,6 +95,7 @@ void EventReader::read_grab(ObjectReader& item) {
   grab.max_force =
       item.optional_number("max_force", {.quantity = Quantity::kForce,
                                          .low = 0.0,
+                                         .high = kMaxForce,
                                          .above = true,
                                          .doc = "strongest pull; without it the vertex follows exactly"})
           .value_or(kNoLimit);
@@ -117,9 +120,12 @@ void EventReader::read_pin(ObjectReader& item) {
                      .doc = "or near"});
   }
   pin.near =
-      item.optional_vec3("near", {.quantity = Quantity::kLength, .doc = kNearDoc}).value_or(Vec3::Zero());
+      item.optional_vec3(
+              "near", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace, .doc = kNearDoc})
+          .value_or(Vec3::Zero());
   pin.radius = item.number("radius", {.quantity = Quantity::kLength,
                                       .low = 0.0,
+                                      .high = kMaxLength,
                                       .fallback = 0.0,
                                       .doc = "with near: all vertices within it too"});
   pin.near_body = read_near_frame(item);
@@ -137,10 +143,13 @@ void EventReader::read_move(ObjectReader& item) {
               "of its body then"});
   move.timing = item.choice<Timing>("timing", {{"smooth", Timing::kSmooth}, {"linear", Timing::kLinear}},
                                     {.fallback = "smooth", .doc = "smooth starts and ends at rest"});
-  const auto to =
-      item.optional_vec3("to", {.quantity = Quantity::kLength, .doc = "with duration; or keyframes"});
+  const auto to = item.optional_vec3("to", {.quantity = Quantity::kLength,
+                                            .low = -kMaxPlace,
+                                            .high = kMaxPlace,
+                                            .doc = "with duration; or keyframes"});
   const auto duration = item.optional_number(
-      "duration", {.quantity = Quantity::kTime, .low = 0.0, .above = true, .doc = "with to"});
+      "duration",
+      {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .above = true, .doc = "with to"});
   if (to.has_value() != duration.has_value()) {
     item.refuse("permitted are to and duration together, or keyframes");
   }
@@ -150,8 +159,10 @@ void EventReader::read_move(ObjectReader& item) {
   item.list("keyframes", {.min = 1, .optional = true, .doc = "positions at times after the event"},
             [&](ObjectReader& key, int) {
               Keyframe frame;
-              frame.time = key.number("time", {.quantity = Quantity::kTime, .low = 0.0, .above = true});
-              frame.value = key.vec3("position", {.quantity = Quantity::kLength});
+              frame.time = key.number(
+                  "time", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .above = true});
+              frame.value =
+                  key.vec3("position", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace});
               if (!move.keyframes.empty() && frame.time <= move.keyframes.back().time) {
                 key.refuse("time", to ? "permitted are to and duration, or keyframes, not both"
                                       : "permitted are times in rising order");
@@ -167,9 +178,12 @@ void EventReader::read_move(ObjectReader& item) {
 void EventReader::read_impulse(ObjectReader& item) {
   ImpulseEvent event;
   event.body = read_body_ref(item, "body", scene_, false, "name of a body");
-  event.impulse = item.vec3("impulse", {.quantity = Quantity::kImpulse});
+  event.impulse =
+      item.vec3("impulse", {.quantity = Quantity::kImpulse, .low = -kMaxImpulse, .high = kMaxImpulse});
   event.near = item.optional_vec3(
       "near", {.quantity = Quantity::kLength,
+               .low = -kMaxPlace,
+               .high = kMaxPlace,
                .doc = "acts there (deformable: at the nearest vertex); absent: through the centre of mass"});
   event.near_body = read_near_frame(item);
   add(item, {at_, event});
@@ -215,7 +229,7 @@ void EventReader::add(ObjectReader& item, Event event) {
 }
 
 void EventReader::read(ObjectReader& item) {
-  at_ = item.number("at", {.quantity = Quantity::kTime, .low = 0.0, .high = 1e6, .doc = "when"});
+  at_ = item.number("at", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .doc = "when"});
   item.variant("do",
                {{"grab", "hold a vertex where it is", [&](ObjectReader& r) { read_grab(r); }},
                 {"pin", "hold vertices where they are", [&](ObjectReader& r) { read_pin(r); }},

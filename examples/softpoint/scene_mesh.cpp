@@ -3,6 +3,7 @@
 #include <functional>
 #include <utility>
 
+#include "scene_limits.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/obj.h"
 #include "softpoint/core/shapes.h"
@@ -14,7 +15,8 @@ namespace {
 using MakeMesh = std::function<TriangleMesh()>;
 
 double length(ObjectReader& reader, std::string_view key, const std::string& doc) {
-  return reader.number(key, {.quantity = Quantity::kLength, .low = 0.0, .above = true, .doc = doc});
+  return reader.number(key,
+                       {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = doc});
 }
 
 int count(ObjectReader& reader, std::string_view key, int low, int fallback, const std::string& doc) {
@@ -30,7 +32,8 @@ MakeMesh read_sphere(ObjectReader& reader) {
 }
 
 MakeMesh read_box(ObjectReader& reader) {
-  const Vec3 size = reader.vec3("size", {.quantity = Quantity::kLength, .low = 1e-6, .doc = "whole edges"});
+  const Vec3 size = reader.vec3(
+      "size", {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = "whole edges"});
   const auto cells =
       reader.numbers("cells", {.low = 1, .high = 200},
                      {.min = 3, .max = 3, .optional = true, .doc = "along x, y, z; [3, 3, 3]"});
@@ -78,8 +81,8 @@ MakeMesh read_hollow_sphere(ObjectReader& reader) {
 
 MakeMesh read_obj_mesh(ObjectReader& reader) {
   const auto file = reader.file("file", {.doc = "OBJ, metres; polygons count as fans of triangles"});
-  const double scale =
-      reader.number("scale", {.low = 0.0, .above = true, .fallback = 1.0, .doc = "factor on all lengths"});
+  const double scale = reader.number(
+      "scale", {.low = 1.0 / kMaxScale, .high = kMaxScale, .fallback = 1.0, .doc = "factor on all lengths"});
   return [=] { return transformed(read_obj(file), scale * Mat3::Identity(), Vec3::Zero()); };
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "scene_event_reader.h"
+#include "scene_limits.h"
 #include "scene_rigid_reader.h"
 #include "scene_view_reader.h"
 #include "softpoint/core/error.h"
@@ -36,6 +37,7 @@ void read_contact(ObjectReader& item, ContactSettings& contact) {
       {.low = 1, .high = 20, .fallback = contact.max_passes, .doc = "rounds of detection a substep"});
   contact.rebound_speed = item.number("rebound_speed", {.quantity = Quantity::kVelocity,
                                                         .low = 0.0,
+                                                        .high = kMaxSpeed,
                                                         .fallback = contact.rebound_speed,
                                                         .doc = "slower impacts do not bounce"});
   contact.rigid_support = item.boolean(
@@ -51,7 +53,10 @@ void read_world(ObjectReader& item, WorldSpec& world) {
                                        {"softmultibody", WorldKind::kSoftMultiBody},
                                        {"deformable", WorldKind::kDeformable}},
                                       {.fallback = "discrete", .doc = "which of Bullet's stock worlds"});
-  world.gravity = item.vec3("gravity", {.quantity = Quantity::kAcceleration, .fallback = world.gravity});
+  world.gravity = item.vec3("gravity", {.quantity = Quantity::kAcceleration,
+                                        .low = -kMaxAcceleration,
+                                        .high = kMaxAcceleration,
+                                        .fallback = world.gravity});
   world.time_step = item.number("time_step", {.quantity = Quantity::kTime,
                                               .low = 1e-5,
                                               .high = 0.1,
@@ -114,8 +119,11 @@ class Names {
 };
 
 void read_length(ObjectReader& root, Scene& scene) {
-  const auto duration = root.optional_number(
-      "duration", {.quantity = Quantity::kTime, .low = 0.0, .above = true, .doc = "of the scene; or frames"});
+  const auto duration = root.optional_number("duration", {.quantity = Quantity::kTime,
+                                                          .low = 0.0,
+                                                          .high = kMaxTime,
+                                                          .above = true,
+                                                          .doc = "of the scene; or frames"});
   const auto frames = root.optional_integer(
       "frames", {.low = 1, .high = kMaxFrames, .doc = "steps of the scene; the command line goes before"});
   if (root.describing()) {

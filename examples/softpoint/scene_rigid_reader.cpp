@@ -1,17 +1,18 @@
 #include "scene_rigid_reader.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 
+#include "scene_limits.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/obj.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-constexpr double kSmallestLength = 1e-6;  // m
-
 double length(ObjectReader& item, std::string_view key, const std::string& doc = "") {
-  return item.number(key, {.quantity = Quantity::kLength, .low = kSmallestLength, .doc = doc});
+  return item.number(key, {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = doc});
 }
 
 Mat3 read_rotation(ObjectReader& item) {
@@ -22,9 +23,13 @@ Mat3 read_rotation(ObjectReader& item) {
   }
   Mat3 rotation = Mat3::Identity();
   if (by_axis || item.describing()) {
-    const Vec3 axis = item.vec3("axis", {.doc = "need not be a unit vector; with angle"});
-    const double angle =
-        item.number("angle", {.quantity = Quantity::kAngle, .doc = "right-handed; with axis"});
+    const Vec3 axis = item.vec3(
+        "axis",
+        {.low = -kMaxDirection, .high = kMaxDirection, .doc = "need not be a unit vector; with angle"});
+    const double angle = item.number("angle", {.quantity = Quantity::kAngle,
+                                               .low = -kMaxAngle,
+                                               .high = kMaxAngle,
+                                               .doc = "right-handed; with axis"});
     if (axis.norm() < 1e-9) {
       item.refuse("axis", "permitted is any direction but zero");
     }
@@ -32,14 +37,16 @@ Mat3 read_rotation(ObjectReader& item) {
   }
   if (by_euler || item.describing()) {
     const Vec3 e = item.vec3("euler", {.quantity = Quantity::kAngle,
+                                       .low = -kMaxAngle,
+                                       .high = kMaxAngle,
                                        .doc = "turn about the world's x, then its y, then its z axis"});
     rotation = (Eigen::AngleAxisd(e.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(e.y(), Vec3::UnitY()) *
                 Eigen::AngleAxisd(e.x(), Vec3::UnitX()))
                    .toRotationMatrix();
   }
   if (by_quaternion || item.describing()) {
-    const auto q =
-        item.numbers("quaternion", {}, {.min = 4, .max = 4, .doc = "[x, y, z, w], any length but 0"});
+    const auto q = item.numbers("quaternion", {.low = -kMaxDirection, .high = kMaxDirection},
+                                {.min = 4, .max = 4, .doc = "[x, y, z, w], any length but 0"});
     if (!item.describing()) {
       const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
       if (quaternion.norm() < 1e-9) {
@@ -67,8 +74,8 @@ ReadObject round_shape(ShapeSpec& shape, ShapeKind kind, const std::string& leng
 void read_hull(ObjectReader& item, ShapeSpec& shape) {
   shape.kind = ShapeKind::kHull;
   const auto file = item.file("file", {.doc = "OBJ, metres; the convex hull of its vertices"});
-  const double scale =
-      item.number("scale", {.low = 0.0, .above = true, .fallback = 1.0, .doc = "factor on all lengths"});
+  const double scale = item.number(
+      "scale", {.low = 1.0 / kMaxScale, .high = kMaxScale, .fallback = 1.0, .doc = "factor on all lengths"});
   if (item.describing()) {
     return;
   }
@@ -100,7 +107,8 @@ void read_shape(ObjectReader& item, ShapeSpec& shape, bool may_be_compound) {
        [&](ObjectReader& reader) {
          shape.kind = ShapeKind::kBox;
          shape.size = reader.vec3(
-             "size", {.quantity = Quantity::kLength, .low = kSmallestLength, .doc = "whole edges"});
+             "size",
+             {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = "whole edges"});
        }},
       {"sphere", "",
        [&](ObjectReader& reader) {
@@ -113,19 +121,23 @@ void read_shape(ObjectReader& item, ShapeSpec& shape, bool may_be_compound) {
       {"hull", "convex hull", [&](ObjectReader& reader) { read_hull(reader, shape); }},
   };
   if (may_be_compound) {
-    variants.push_back(
-        {"plane", "all below normal . x = offset; never moves", [&](ObjectReader& reader) {
-           shape.kind = ShapeKind::kPlane;
-           shape.normal =
-               reader.vec3("normal", {.fallback = Vec3(0.0, 1.0, 0.0), .doc = "need not be a unit vector"});
-           if (shape.normal.norm() < 1e-9) {
-             reader.refuse("normal", "permitted is any direction but zero");
-           }
-           shape.normal.normalize();
-           shape.offset = reader.number("offset", {.quantity = Quantity::kLength,
-                                                   .fallback = 0.0,
-                                                   .doc = "from the body's position along the unit normal"});
-         }});
+    variants.push_back({"plane", "all below normal . x = offset; never moves", [&](ObjectReader& reader) {
+                          shape.kind = ShapeKind::kPlane;
+                          shape.normal = reader.vec3("normal", {.low = -kMaxDirection,
+                                                                .high = kMaxDirection,
+                                                                .fallback = Vec3(0.0, 1.0, 0.0),
+                                                                .doc = "need not be a unit vector"});
+                          if (shape.normal.norm() < 1e-9) {
+                            reader.refuse("normal", "permitted is any direction but zero");
+                          }
+                          shape.normal.normalize();
+                          shape.offset = reader.number(
+                              "offset", {.quantity = Quantity::kLength,
+                                         .low = -kMaxPlace,
+                                         .high = kMaxPlace,
+                                         .fallback = 0.0,
+                                         .doc = "from the body's position along the unit normal"});
+                        }});
     variants.push_back(
         {"compound", "rigidly joined", [&](ObjectReader& reader) { read_compound(reader, shape); }});
   }
@@ -140,8 +152,9 @@ double share(ObjectReader& item, std::string_view key, double fallback, double h
 
 Placement read_placement(ObjectReader& item) {
   Placement placement;
-  placement.position =
-      item.vec3("position", {.quantity = Quantity::kLength, .fallback = Vec3(0.0, 0.0, 0.0)});
+  placement.position = item.vec3(
+      "position",
+      {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace, .fallback = Vec3(0.0, 0.0, 0.0)});
   item.optional_object("orientation", "turned before it is moved to its position; one of the three forms",
                        [&](ObjectReader& reader) { placement.rotation = read_rotation(reader); });
   return placement;
@@ -149,11 +162,15 @@ Placement read_placement(ObjectReader& item) {
 
 Motion read_motion(ObjectReader& item) {
   Motion motion;
-  motion.linear = item.vec3(
-      "velocity",
-      {.quantity = Quantity::kVelocity, .fallback = Vec3(0.0, 0.0, 0.0), .doc = "of the centre of mass"});
-  motion.angular = item.vec3("angular_velocity",
-                             {.quantity = Quantity::kAngularVelocity, .fallback = Vec3(0.0, 0.0, 0.0)});
+  motion.linear = item.vec3("velocity", {.quantity = Quantity::kVelocity,
+                                         .low = -kMaxSpeed,
+                                         .high = kMaxSpeed,
+                                         .fallback = Vec3(0.0, 0.0, 0.0),
+                                         .doc = "of the centre of mass"});
+  motion.angular = item.vec3("angular_velocity", {.quantity = Quantity::kAngularVelocity,
+                                                  .low = -kMaxSpin,
+                                                  .high = kMaxSpin,
+                                                  .fallback = Vec3(0.0, 0.0, 0.0)});
   return motion;
 }
 
@@ -165,8 +182,11 @@ RigidBodySpec read_rigid_body(ObjectReader& item) {
   RigidBodySpec body;
   body.name = item.text("name", {.fallback = "", .doc = "unique; for events and results"});
   read_shape(item, body.shape, true);
-  body.mass = item.number(
-      "mass", {.quantity = Quantity::kMass, .low = 0.0, .fallback = 0.0, .doc = "0: never moves"});
+  body.mass = item.number("mass", {.quantity = Quantity::kMass,
+                                   .low = 0.0,
+                                   .high = kMaxMass,
+                                   .fallback = 0.0,
+                                   .doc = "0: never moves; else 1e-9 kg or more"});
   body.placement = read_placement(item);
   body.motion = read_motion(item);
   body.friction = share(item, "friction", 0.5, 100.0, "coefficient; the product of both bodies' counts");
@@ -179,6 +199,10 @@ RigidBodySpec read_rigid_body(ObjectReader& item) {
   body.visible = item.boolean("visible", {.fallback = true, .doc = "in pictures"});
   body.color = read_color(item);
   if (!item.describing()) {
+    if (body.mass > 0.0 && body.mass < kMinMass) {
+      item.refuse("mass",
+                  fmt::format("permitted is 0, or {} to {} kg", to_text(kMinMass), to_text(kMaxMass)));
+    }
     if (body.shape.kind == ShapeKind::kPlane && body.mass > 0.0) {
       item.refuse("mass", "a plane never moves; permitted is 0");
     }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scene_event_reader.h"
+#include "scene_limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
@@ -16,18 +17,22 @@ void read_camera_keyframes(ObjectReader& item, CameraSpec& camera) {
   const Timing timing =
       item.choice<Timing>("timing", {{"smooth", Timing::kSmooth}, {"linear", Timing::kLinear}},
                           {.fallback = "smooth", .doc = "of keyframes"});
-  item.list("keyframes", {.min = 1, .optional = true, .doc = "instead of eye and target"},
-            [&](ObjectReader& key, int) {
-              const double time = key.number("time", {.quantity = Quantity::kTime, .low = 0.0});
-              if (!eyes.empty() && time <= eyes.back().time) {
-                key.refuse("time", "permitted are times in rising order");
-              }
-              eyes.push_back({time, key.vec3("eye", {.quantity = Quantity::kLength})});
-              targets.push_back({time, key.vec3("target", {.quantity = Quantity::kLength})});
-              if (!key.describing() && (eyes.back().value - targets.back().value).norm() < 1e-6) {
-                key.refuse("eye", "it stands at the target; permitted is any other place");
-              }
-            });
+  item.list(
+      "keyframes", {.min = 1, .optional = true, .doc = "instead of eye and target"},
+      [&](ObjectReader& key, int) {
+        const double time = key.number("time", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime});
+        if (!eyes.empty() && time <= eyes.back().time) {
+          key.refuse("time", "permitted are times in rising order");
+        }
+        eyes.push_back(
+            {time, key.vec3("eye", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace})});
+        targets.push_back(
+            {time,
+             key.vec3("target", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace})});
+        if (!key.describing() && (eyes.back().value - targets.back().value).norm() < 1e-6) {
+          key.refuse("eye", "it stands at the target; permitted is any other place");
+        }
+      });
   if (!eyes.empty() && !item.describing()) {
     camera.eye_path = Path(std::move(eyes), timing);
     camera.target_path = Path(std::move(targets), timing);
@@ -35,11 +40,20 @@ void read_camera_keyframes(ObjectReader& item, CameraSpec& camera) {
 }
 
 void read_camera(ObjectReader& item, const Scene& scene, CameraSpec& camera) {
-  camera.eye =
-      item.vec3("eye", {.quantity = Quantity::kLength, .fallback = camera.eye, .doc = "where it stands"});
-  camera.target = item.vec3(
-      "target", {.quantity = Quantity::kLength, .fallback = camera.target, .doc = "what it looks at"});
-  camera.up = item.vec3("up", {.fallback = camera.up, .doc = "the world's up, any length but 0"});
+  camera.eye = item.vec3("eye", {.quantity = Quantity::kLength,
+                                 .low = -kMaxPlace,
+                                 .high = kMaxPlace,
+                                 .fallback = camera.eye,
+                                 .doc = "where it stands"});
+  camera.target = item.vec3("target", {.quantity = Quantity::kLength,
+                                       .low = -kMaxPlace,
+                                       .high = kMaxPlace,
+                                       .fallback = camera.target,
+                                       .doc = "what it looks at"});
+  camera.up = item.vec3("up", {.low = -kMaxDirection,
+                               .high = kMaxDirection,
+                               .fallback = camera.up,
+                               .doc = "the world's up, any length but 0"});
   camera.fov = item.number("fov", {.quantity = Quantity::kAngle,
                                    .low = 1.0 * kDegree,
                                    .high = 150.0 * kDegree,
@@ -64,8 +78,9 @@ void read_overlays(ObjectReader& item, PictureSpec& pictures) {
       item.boolean("contacts", {.fallback = false, .doc = "points of contact with deformables"});
   pictures.overlays.forces = item.boolean(
       "forces", {.fallback = false, .doc = "arrows: contact forces on deformables, pulls of handles"});
-  pictures.meters_per_newton = item.number(
-      "meters_per_newton", {.low = 0.0, .above = true, .fallback = 0.002, .doc = "length of the arrows"});
+  pictures.meters_per_newton =
+      item.number("meters_per_newton",
+                  {.low = 0.0, .high = 1e3, .above = true, .fallback = 0.002, .doc = "length of the arrows"});
   pictures.overlays.wireframe = item.boolean("wireframe", {.fallback = false, .doc = "edges of deformables"});
   pictures.overlays.time = item.boolean("time", {.fallback = true, .doc = "the time in a corner"});
   pictures.text = item.text("text", {.fallback = "", .doc = "a line in the same corner"});
@@ -77,7 +92,7 @@ void read_pictures(ObjectReader& item, PictureSpec& pictures) {
                                           .fallback = pictures.every,
                                           .doc = "frames from picture to picture; 0: at times alone"});
   pictures.times =
-      item.numbers("times", {.quantity = Quantity::kTime, .low = 0.0},
+      item.numbers("times", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime},
                    {.optional = true, .doc = "more pictures, at the frames nearest to these times"});
   item.optional_object("size", "pixels; the command line goes before", [&](ObjectReader& size) {
     pictures.width = size.integer("width", {.low = 16, .high = 8192, .fallback = pictures.width});

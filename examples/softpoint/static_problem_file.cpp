@@ -6,19 +6,22 @@
 #include <utility>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 #include "softpoint/core/obj.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
 void read_material(ObjectReader& material, elastic::Material& result, bool& has_density) {
-  result.young = material.number(
-      "young", {.quantity = Quantity::kPressure, .low = 0.0, .above = true, .doc = "Young's modulus"});
+  result.young = material.number("young", {.quantity = Quantity::kPressure,
+                                           .low = elastic::kMinYoung,
+                                           .high = elastic::kMaxYoung,
+                                           .doc = "Young's modulus"});
   result.poisson = material.number(
       "poisson", {.low = elastic::kMinPoisson, .high = elastic::kMaxPoisson, .doc = "Poisson's ratio"});
   const auto density = material.optional_number("density", {.quantity = Quantity::kDensity,
-                                                            .low = 0.0,
-                                                            .above = true,
+                                                            .low = elastic::kMinDensity,
+                                                            .high = elastic::kMaxDensity,
                                                             .doc = "required where gravity is not zero"});
   has_density = density.has_value();
   result.density = density.value_or(result.density);
@@ -55,18 +58,25 @@ void read_static_problem(ObjectReader& root, elastic::StaticProblem& problem) {
     elastic::HeldVertices held;
     held.vertices =
         item.indices("vertices", {.count = problem.mesh.vertex_count(), .of = "vertices of the mesh"});
-    held.value = item.partial_vec3(
-        "value", {.quantity = Quantity::kLength, .doc = "displacement; a component that is null is free"});
+    held.value = item.partial_vec3("value", {.quantity = Quantity::kLength,
+                                             .low = -kMaxMeshCoordinate,
+                                             .high = kMaxMeshCoordinate,
+                                             .doc = "displacement; a component that is null is free"});
     problem.displacement.push_back(std::move(held));
   });
   root.list("traction", {.optional = true, .doc = "loaded triangles"}, [&](ObjectReader& item, int) {
     elastic::FaceTraction load;
     load.faces =
         item.indices("faces", {.count = problem.mesh.triangle_count(), .of = "triangles of the mesh"});
-    load.value = item.vec3("value", {.quantity = Quantity::kPressure, .doc = "force per area, uniform"});
+    load.value = item.vec3("value", {.quantity = Quantity::kPressure,
+                                     .low = -elastic::kMaxTraction,
+                                     .high = elastic::kMaxTraction,
+                                     .doc = "force per area, uniform"});
     problem.traction.push_back(std::move(load));
   });
   problem.gravity = root.vec3("gravity", {.quantity = Quantity::kAcceleration,
+                                          .low = -kMaxAcceleration,
+                                          .high = kMaxAcceleration,
                                           .fallback = Vec3(0.0, 0.0, 0.0),
                                           .doc = "in the frame of the mesh"});
   if (!root.describing() && !has_density && !problem.gravity.isZero(0.0)) {

@@ -11,6 +11,7 @@
 #include "bullet_math.h"
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -65,8 +66,9 @@ Deformable::Deformable(std::vector<Vec3> positions, std::vector<Triangle> triang
                 " entries, permitted is one per point, " + std::to_string(positions_.size()));
   }
   for (std::size_t i = 0; i < masses_.size(); ++i) {
-    check_positive("deformable: mass of point " + std::to_string(i), masses_[i]);
-    check_finite("deformable: position of point " + std::to_string(i), positions_[i]);
+    check_range("deformable: mass of point " + std::to_string(i), masses_[i], kMinPointMass, kMaxPointMass);
+    check_range("deformable: position of point " + std::to_string(i), positions_[i], -kMaxPosition,
+                kMaxPosition);
     total_mass_ += masses_[i];
   }
   for (const Triangle& t : triangles_) {
@@ -243,9 +245,9 @@ void Deformable::finish(double dt) {
 
 void Deformable::apply_impulse(int face, const Vec3& weights, const Vec3& impulse) {
   check_index("apply_impulse: face", face, static_cast<long long>(triangles_.size()));
-  check_finite("apply_impulse: weights", weights);
-  check_finite("apply_impulse: impulse", impulse);
+  check_range("apply_impulse: weights", weights, -1e-6, 1.0 + 1e-6);
   check_range("apply_impulse: sum of weights", weights.sum(), 1.0 - 1e-6, 1.0 + 1e-6);
+  check_range("apply_impulse: impulse", impulse, -kMaxImpulse, kMaxImpulse);
   const Triangle& t = triangles_[static_cast<std::size_t>(face)];
   for (std::size_t k = 0; k < 3; ++k) {
     impulses_[static_cast<std::size_t>(t[k])] += weights[static_cast<Eigen::Index>(k)] * impulse;
@@ -254,7 +256,7 @@ void Deformable::apply_impulse(int face, const Vec3& weights, const Vec3& impuls
 }
 
 void Deformable::set_acceleration(const Vec3& acceleration) {
-  check_finite("set_acceleration: acceleration", acceleration);
+  check_range("set_acceleration: acceleration", acceleration, -kMaxAcceleration, kMaxAcceleration);
   acceleration_ = acceleration;
 }
 

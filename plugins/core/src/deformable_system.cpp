@@ -5,6 +5,7 @@
 
 #include "deformable_system_impl.h"
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -26,7 +27,7 @@ void check(const ContactSettings& s) {
   check_range("ContactSettings.tolerance", s.tolerance, 1e-12, 1e-2);
   check_range("ContactSettings.max_iterations", s.max_iterations, 1, 10000);
   check_range("ContactSettings.max_passes", s.max_passes, 1, 20);
-  check_not_negative("ContactSettings.rebound_speed", s.rebound_speed);
+  check_range("ContactSettings.rebound_speed", s.rebound_speed, 0.0, kMaxSpeed);
 }
 
 DeformableSystem::Impl::Impl(btDiscreteDynamicsWorld& w, const ContactSettings& s)
@@ -110,7 +111,7 @@ HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target,
     throw Error("grab: the body is not in this system");
   }
   check_index("grab: point", point, static_cast<long long>(body.points().size()));
-  check_finite("grab: target", target);
+  check_range("grab: target", target, -kMaxPosition, kMaxPosition);
   if (!(max_force > 0.0)) {
     throw Error("grab: max_force = " + to_text(max_force) + ": permitted is a number > 0, or infinity");
   }
@@ -125,7 +126,7 @@ HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target,
 }
 
 void DeformableSystem::move(HandleId id, const Vec3& target) {
-  check_finite("move: target", target);
+  check_range("move: target", target, -kMaxPosition, kMaxPosition);
   impl_->handle(id, "move").target = target;
 }
 

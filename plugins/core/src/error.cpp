@@ -18,9 +18,21 @@ std::string to_text(double value) {
   return {buffer, end};
 }
 
+std::string to_text(const Vec3& value) {
+  std::string text = "[";
+  text += to_text(value.x()) + ", " + to_text(value.y()) + ", " + to_text(value.z());
+  return text + "]";
+}
+
 void check_range(std::string_view field, double value, double low, double high) {
   if (!(value >= low && value <= high)) {
     refuse(field, to_text(value), to_text(low) + " to " + to_text(high));
+  }
+}
+
+void check_range(std::string_view field, const Vec3& value, double low, double high) {
+  if (!((value.array() >= low).all() && (value.array() <= high).all())) {
+    refuse(field, to_text(value), "three numbers, each " + to_text(low) + " to " + to_text(high));
   }
 }
 
@@ -44,8 +56,7 @@ void check_finite(std::string_view field, double value) {
 
 void check_finite(std::string_view field, const Vec3& value) {
   if (!value.allFinite()) {
-    refuse(field, "[" + to_text(value.x()) + ", " + to_text(value.y()) + ", " + to_text(value.z()) + "]",
-           "three finite numbers");
+    refuse(field, to_text(value), "three finite numbers");
   }
 }
 

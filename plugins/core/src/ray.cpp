@@ -3,12 +3,13 @@
 #include "bullet_math.h"
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
 std::optional<RayHit> DeformableSystem::pick(const Vec3& from, const Vec3& to) const {
-  check_finite("pick: from", from);
-  check_finite("pick: to", to);
+  check_range("pick: from", from, -kMaxRay, kMaxRay);
+  check_range("pick: to", to, -kMaxRay, kMaxRay);
   RayHit nearest;
   nearest.fraction = 1.0;
   const Vec3 d = to - from;

@@ -8,10 +8,12 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -23,6 +25,10 @@ constexpr int kMaxSubdivisions = 8;     // 655,362 vertices
 
 void check_count(const char* field, int value, int low, int high = kMaxCells) {
   check_range(field, value, low, high);
+}
+
+void check_length(std::string_view field, double length) {
+  check_range(field, length, kMinMeshSize, kMaxMeshCoordinate);
 }
 
 void check_vertex_count(const char* shape, double vertices) {
@@ -132,8 +138,8 @@ TriangleMesh prism(int sides, int stacks, int cap_rings, double radius, double l
   check_count("prism sides", sides, 3);
   check_count("prism stacks", stacks, 1);
   check_count("prism cap_rings", cap_rings, 1);
-  check_positive("prism radius", radius);
-  check_positive("prism length", length);
+  check_length("prism radius", radius);
+  check_length("prism length", length);
   check_vertex_count("prism", static_cast<double>(sides) * (stacks + 2.0 * cap_rings - 1.0) + 2.0);
   // Area of the n-gon with circumscribed radius R: n R^2 sin(2 pi/n) / 2.
   const double rim = meaning == PrismRadius::kEqualArea
@@ -154,7 +160,7 @@ TriangleMesh prism(int sides, int stacks, int cap_rings, double radius, double l
 }
 
 TriangleMesh uv_sphere(double radius, int sectors, int rings) {
-  check_positive("uv_sphere radius", radius);
+  check_length("uv_sphere radius", radius);
   check_count("uv_sphere sectors", sectors, 3);
   check_count("uv_sphere rings", rings, 1);
   check_vertex_count("uv_sphere", static_cast<double>(sectors) * rings + 2.0);
@@ -167,8 +173,8 @@ TriangleMesh uv_sphere(double radius, int sectors, int rings) {
 }
 
 TriangleMesh capsule(double radius, double length, int sectors, int stacks, int rings) {
-  check_positive("capsule radius", radius);
-  check_positive("capsule length", length);
+  check_length("capsule radius", radius);
+  check_length("capsule length", length);
   check_count("capsule sectors", sectors, 3);
   check_count("capsule stacks", stacks, 1);
   check_count("capsule rings", rings, 1);
@@ -190,7 +196,7 @@ TriangleMesh capsule(double radius, double length, int sectors, int stacks, int 
 }
 
 TriangleMesh sphere(double radius, int subdivisions) {
-  check_positive("sphere radius", radius);
+  check_length("sphere radius", radius);
   check_count("sphere subdivisions", subdivisions, 0, kMaxSubdivisions);
   TriangleMesh mesh = icosahedron();
   for (int k = 0; k < subdivisions; ++k) {
@@ -203,8 +209,8 @@ TriangleMesh sphere(double radius, int subdivisions) {
 }
 
 TriangleMesh hollow_sphere(double outer_radius, double inner_radius, int subdivisions) {
-  check_positive("hollow_sphere outer_radius", outer_radius);
-  check_positive("hollow_sphere inner_radius", inner_radius);
+  check_length("hollow_sphere outer_radius", outer_radius);
+  check_length("hollow_sphere inner_radius", inner_radius);
   check_count("hollow_sphere subdivisions", subdivisions, 0, kMaxSubdivisions);
   if (inner_radius >= outer_radius) {
     throw Error("hollow_sphere inner_radius = " + to_text(inner_radius) +
@@ -216,8 +222,8 @@ TriangleMesh hollow_sphere(double outer_radius, double inner_radius, int subdivi
 TriangleMesh square_grid(int nx, int ny, double width, double height) {
   check_count("square_grid nx", nx, 1);
   check_count("square_grid ny", ny, 1);
-  check_positive("square_grid width", width);
-  check_positive("square_grid height", height);
+  check_length("square_grid width", width);
+  check_length("square_grid height", height);
   check_vertex_count("square_grid", (nx + 1.0) * (ny + 1.0));
   TriangleMesh mesh;
   for (int j = 0; j <= ny; ++j) {
@@ -239,7 +245,7 @@ TriangleMesh box_grid(int nx, int ny, int nz, const Vec3& size) {
   const std::array<const char*, 3> axes{"x", "y", "z"};
   for (int k = 0; k < 3; ++k) {
     check_count((std::string("box_grid n") + axes[k]).c_str(), cells[k], 1);
-    check_positive(std::string("box_grid size ") + axes[k], size[k]);
+    check_length(std::string("box_grid size ") + axes[k], size[k]);
   }
   check_vertex_count("box_grid", 2.0 * (1.0 * nx * ny + 1.0 * ny * nz + 1.0 * nz * nx) + 2.0);
   TriangleMesh mesh;

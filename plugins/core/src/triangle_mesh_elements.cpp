@@ -7,18 +7,11 @@
 #include <unordered_map>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 #include "triangle_mesh_topology.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::mesh_check {
 namespace {
-
-// Beyond these, areas and volumes would leave the range of a double.
-constexpr double kMaxCoordinate = 1e60;
-constexpr double kMinDiagonal = 1e-60;
-
-std::string vec_text(const Vec3& x) {
-  return "[" + to_text(x.x()) + ", " + to_text(x.y()) + ", " + to_text(x.z()) + "]";
-}
 
 void check_indices(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.vertices.empty() || mesh.triangles.empty()) {
@@ -41,9 +34,9 @@ void check_indices(const TriangleMesh& mesh, const std::string& name) {
     }
   }
   for (int v = 0; v < mesh.vertex_count(); ++v) {
-    if (!mesh.vertices[v].allFinite() || mesh.vertices[v].cwiseAbs().maxCoeff() > kMaxCoordinate) {
-      throw Error(name + ": vertex " + std::to_string(v) + " is at " + vec_text(mesh.vertices[v]) +
-                  ": permitted are finite coordinates up to " + to_text(kMaxCoordinate) + " m");
+    if (!mesh.vertices[v].allFinite() || mesh.vertices[v].cwiseAbs().maxCoeff() > kMaxMeshCoordinate) {
+      throw Error(name + ": vertex " + std::to_string(v) + " is at " + to_text(mesh.vertices[v]) +
+                  ": permitted are finite coordinates up to " + to_text(kMaxMeshCoordinate) + " m");
     }
   }
   const auto unused = std::find(used.begin(), used.end(), false);
@@ -64,9 +57,9 @@ double bounding_diagonal(const TriangleMesh& mesh) {
 
 void check_distinct_vertices(const TriangleMesh& mesh, const std::string& name) {
   const double diagonal = bounding_diagonal(mesh);
-  if (!(diagonal > kMinDiagonal)) {
+  if (!(diagonal > kMinMeshSize)) {
     throw Error(name + ": is " + to_text(diagonal) + " m across: permitted is more than " +
-                to_text(kMinDiagonal) + " m; scale it up");
+                to_text(kMinMeshSize) + " m; scale it up");
   }
   const double tolerance = kMinVertexDistance * diagonal;
   const Vec3 origin = mesh.vertices.front();

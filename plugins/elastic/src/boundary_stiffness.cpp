@@ -35,6 +35,13 @@ void condense(const Kernels& kernels, std::ptrdiff_t faces3, std::ptrdiff_t vert
 
 }  // namespace
 
+void check(const StiffnessSettings& settings) {
+  settings.quadrature.resolved(1);
+  check_not_negative("settings.memory_limit", settings.memory_limit);
+  check_range("settings.max_instruction_set", static_cast<int>(settings.max_instruction_set), 0,
+              static_cast<int>(InstructionSet::kAvx512));
+}
+
 double stiffness_memory(int vertices, int triangles) {
   const double v = vertices, f = triangles;
   // V and the single layer, W, D; then panels, kernel scratch and the affine fields.
@@ -45,7 +52,7 @@ std::shared_ptr<BoundaryStiffness> assemble(const TriangleMesh& mesh, double poi
                                             const StiffnessSettings& settings) {
   check_closed(mesh);
   check_poisson("material.poisson", poisson);
-  check_not_negative("settings.memory_limit", settings.memory_limit);
+  check(settings);
   auto result = std::make_shared<BoundaryStiffness>();
   result->quadrature = settings.quadrature.resolved(mesh.vertex_count());
   check_memory(mesh, stiffness_memory(mesh.vertex_count(), mesh.triangle_count()), settings.memory_limit);

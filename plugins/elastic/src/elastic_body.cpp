@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
@@ -17,7 +18,7 @@ std::vector<Vec3> placed(const ElasticModel* model, const Vec3& origin, const Ma
   if (model == nullptr) {
     throw Error("ElasticBody: model is null; permitted is one of make_elastic_model");
   }
-  check_finite("ElasticBody: origin", origin);
+  check_range("ElasticBody: origin", origin, -kMaxPosition, kMaxPosition);
   check_range(
       "ElasticBody: rotation, distance from a rotation matrix",
       (rotation.transpose() * rotation - Mat3::Identity()).norm() + std::abs(rotation.determinant() - 1.0),
@@ -75,8 +76,8 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
 }
 
 void ElasticBody::set_velocity(const Vec3& linear, const Vec3& angular) {
-  check_finite("set_velocity: linear", linear);
-  check_finite("set_velocity: angular", angular);
+  check_range("set_velocity: linear", linear, -kMaxSpeed, kMaxSpeed);
+  check_range("set_velocity: angular", angular, -kMaxSpin, kMaxSpin);
   const Vec3 center = center_of_mass();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     velocities_[v] = linear + angular.cross(positions_[v] - center);

@@ -2,13 +2,35 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
 void check(const ElasticSettings& settings) {
   check_range("ElasticSettings.time_step", settings.time_step, 1e-6, 1.0);
+  check(settings.stiffness);
+  check(settings.cache);
 }
+
+namespace {
+
+// Rounding in h^2 S must stay small against the masses, or M + h^2 S is no longer positive definite.
+void check_stiffness(const ElasticModel& model) {
+  constexpr double kLargestRatio = 1e12;
+  const Eigen::Index n = model.dofs();
+  const Eigen::Map<const Eigen::MatrixXd> unit(model.stiffness->unit_stiffness.data(), n, n);
+  const double mass = *std::min_element(model.masses.begin(), model.masses.end());
+  const double h = model.time_step;
+  const double stiffest = kLargestRatio * mass / (h * h * unit.diagonal().maxCoeff());
+  if (!(model.material.young <= stiffest)) {
+    throw Error("material.young = " + to_text(model.material.young) + ": permitted is up to " +
+                to_text(stiffest) + " with this mesh, density and time step");
+  }
+}
+
+}  // namespace
 
 std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh, const Material& material,
                                                        const ElasticSettings& settings) {
@@ -39,6 +61,7 @@ std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
   for (Vec3& normal : model->normals) {
     normal.normalize();
   }
+  check_stiffness(*model);
   compute_response(*model, settings.time_step, model->response);
   return model;
 }

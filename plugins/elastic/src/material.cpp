@@ -12,9 +12,9 @@ void check_poisson(std::string_view field, double poisson) {
 
 void check(const Material& material, std::string_view name) {
   const std::string prefix(name);
-  check_positive(prefix + ".young", material.young);
+  check_range(prefix + ".young", material.young, kMinYoung, kMaxYoung);
   check_poisson(prefix + ".poisson", material.poisson);
-  check_positive(prefix + ".density", material.density);
+  check_range(prefix + ".density", material.density, kMinDensity, kMaxDensity);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

@@ -34,6 +34,7 @@ void check_memory(const TriangleMesh& mesh, double bytes, double limit) {
     throw Error("mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +
                 std::to_string(mesh.triangle_count()) + " triangles: needs " + gigabytes(bytes) +
                 " of memory, permitted is at most " + gigabytes(available) +
+                (limit > 0.0 ? " (settings.memory_limit = " + to_text(limit) + " bytes)" : "") +
                 "; use fewer triangles (memory grows with their square)");
   }
 }

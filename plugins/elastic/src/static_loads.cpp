@@ -3,6 +3,7 @@
 #include <string>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
@@ -11,7 +12,8 @@ std::string element(const std::string& list, std::size_t i) { return list + "[" 
 
 void hold(const HeldVertices& entry, const std::string& name, int vertex_count, StaticLoads& loads) {
   for (std::size_t k = 0; k < 3; ++k) {
-    if (entry.value[k]) check_finite(element(name + ".value", k), *entry.value[k]);
+    if (entry.value[k])
+      check_range(element(name + ".value", k), *entry.value[k], -kMaxMeshCoordinate, kMaxMeshCoordinate);
   }
   for (std::size_t i = 0; i < entry.vertices.size(); ++i) {
     const int vertex = entry.vertices[i];
@@ -46,7 +48,7 @@ StaticLoads gather_loads(const StaticProblem& problem) {
   for (std::size_t i = 0; i < problem.traction.size(); ++i) {
     const FaceTraction& entry = problem.traction[i];
     const std::string name = element("traction", i);
-    check_finite(name + ".value", entry.value);
+    check_range(name + ".value", entry.value, -kMaxTraction, kMaxTraction);
     for (std::size_t j = 0; j < entry.faces.size(); ++j) {
       check_index(element(name + ".faces", j), entry.faces[j], mesh.triangle_count());
       // Consistent nodal loads of a constant traction: a third each.

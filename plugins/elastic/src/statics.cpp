@@ -9,6 +9,7 @@
 #include "memory.h"
 #include "rigid_modes.h"
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 #include "static_loads.h"
 #include "stopwatch.h"
 
@@ -21,14 +22,10 @@ using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 
 constexpr double kBalance = 1e-6;
 
-std::string text(const Vec3& v) {
-  return "[" + to_text(v.x()) + ", " + to_text(v.y()) + ", " + to_text(v.z()) + "]";
-}
-
 void check_balance(const FreeRigidModes::Wrench& wrench) {
   if (wrench.relative > kBalance) {
-    throw Error("loads are not balanced: net force " + text(wrench.force) + " N and moment " +
-                text(wrench.moment) +
+    throw Error("loads are not balanced: net force " + to_text(wrench.force) + " N and moment " +
+                to_text(wrench.moment) +
                 " N m about the mean of the vertices along motions that nothing holds; " +
                 "permitted is a remainder of 1e-6 of the loads: hold vertices or balance the loads");
   }
@@ -155,7 +152,7 @@ StaticResult solve_statics(const StaticProblem& problem, std::shared_ptr<const B
   Stopwatch watch;
   check_closed(problem.mesh);
   check(problem.material);
-  check_finite("gravity", problem.gravity);
+  check_range("gravity", problem.gravity, -kMaxAcceleration, kMaxAcceleration);
   const StaticLoads loads = gather_loads(problem);
   if (stiffness == nullptr) {
     StiffnessSettings with_traction = settings;

@@ -15,6 +15,7 @@
 #include "cache_file.h"
 #include "instruction_set.h"
 #include "softpoint/core/error.h"
+#include "softpoint/elastic/material.h"
 #include "stopwatch.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
@@ -94,6 +95,13 @@ std::string environment(const char* variable) {
 
 }  // namespace
 
+void check(const CacheSettings& cache) {
+  check_not_negative("cache.capacity", cache.capacity);
+  if (cache.folder.find('\0') != std::string::npos) {
+    throw Error("cache.folder holds a zero byte: permitted is the name of a folder, or the empty text");
+  }
+}
+
 std::string CacheSettings::default_folder() {
   if (std::getenv("SOFTPOINT_CACHE_DIR") != nullptr) return environment("SOFTPOINT_CACHE_DIR");
   // A relative XDG_CACHE_HOME is to be ignored, says its specification.
@@ -114,7 +122,9 @@ std::string cache_path(const TriangleMesh& mesh, double poisson, const Stiffness
 std::shared_ptr<const BoundaryStiffness> load_or_assemble_stiffness(const TriangleMesh& mesh, double poisson,
                                                                     const StiffnessSettings& settings,
                                                                     const CacheSettings& cache) {
-  check_not_negative("cache.capacity", cache.capacity);
+  check(settings);
+  check(cache);
+  check_poisson("material.poisson", poisson);
   if (cache.folder.empty()) {
     ++misses;
     return assemble_stiffness(mesh, poisson, settings);

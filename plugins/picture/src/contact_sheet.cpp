@@ -21,6 +21,7 @@ ContactSheet::ContactSheet(const ContactSheetSettings& settings) : settings_(set
   check_range("contact sheet columns", settings.columns, 1, 64);
   check_range("contact sheet cell_width", settings.cell_width, 16, 4096);
   check_range("contact sheet gap", settings.gap, 0, 100);
+  check(settings.paper, "contact sheet paper");
 }
 
 void ContactSheet::add(const Image& frame, const std::string& caption) {

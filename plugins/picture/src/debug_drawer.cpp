@@ -6,9 +6,9 @@
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 
 DebugDrawer::DebugDrawer(const DebugStyle& style) : style_(style) {
-  check_positive("debug line_pixels", style.line_pixels);
-  check_positive("debug contact_pixels", style.contact_pixels);
-  check_not_negative("debug contact_length", style.contact_length);
+  check_range("debug line_pixels", style.line_pixels, 0.1, 1000.0);
+  check_range("debug contact_pixels", style.contact_pixels, 0.1, 1000.0);
+  check_range("debug contact_length", style.contact_length, 0.0, 1e6);
   // Bullet's own defaults are made for a black background.
   colors_.m_activeObject = btVector3(btScalar(0.10), btScalar(0.22), btScalar(0.50));
   colors_.m_deactivatedObject = btVector3(btScalar(0.15), btScalar(0.45), btScalar(0.25));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "softpoint/core/error.h"
 
@@ -34,9 +35,21 @@ Span covered(int target, int target_count, int source_count) {
 
 }  // namespace
 
+void check(const Color& color, std::string_view name) {
+  if (std::isfinite(color.r) && std::isfinite(color.g) && std::isfinite(color.b) && std::isfinite(color.a)) {
+    return;  // without an allocation
+  }
+  const std::string prefix(name);
+  check_finite(prefix + " r", color.r);
+  check_finite(prefix + " g", color.g);
+  check_finite(prefix + " b", color.b);
+  check_finite(prefix + " a", color.a);
+}
+
 Image::Image(int width_, int height_, Color fill) : width(width_), height(height_) {
   check_range("image width", width, 1, 1 << 16);
   check_range("image height", height, 1, 1 << 16);
+  check(fill, "image fill");
   const std::uint8_t bytes[4] = {to_byte(fill.r), to_byte(fill.g), to_byte(fill.b), to_byte(fill.a)};
   rgba.resize(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (std::size_t i = 0; i < rgba.size(); ++i) rgba[i] = bytes[i % 4];

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <string>
 
+#include "softpoint/core/error.h"
 #include "srgb.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
@@ -22,7 +25,20 @@ std::array<double, 3> oklab_to_linear(double lightness, double a, double b) {
 
 }  // namespace
 
+void check(const Material& material, std::string_view name) {
+  const Color& color = material.color;
+  if (std::isfinite(color.r + color.g + color.b + color.a) && std::isfinite(material.roughness) &&
+      std::isfinite(material.wetness)) {
+    return;  // without an allocation
+  }
+  const std::string prefix(name);
+  check(color, prefix + " color");
+  check_finite(prefix + " roughness", material.roughness);
+  check_finite(prefix + " wetness", material.wetness);
+}
+
 Color palette_color(int i) {
+  check_range("palette_color i", i, 0, std::numeric_limits<int>::max());
   // The golden angle never repeats a hue and keeps every few neighbours far apart; three levels of
   // lightness tell apart what comes close in hue after a while.
   constexpr double kDegree = 3.14159265358979323846 / 180.0;

@@ -11,6 +11,13 @@ namespace {
 
 // Pixel positions beyond this would not fit an int and show nothing anyway.
 constexpr double kFarOffPicture = 1e6;
+constexpr double kMaxPixels = 1e4;  // of a line's width, a point's radius
+
+bool within(const Vec3& place) { return place.allFinite() && place.cwiseAbs().maxCoeff() <= kFarthest; }
+
+bool finite(Color color) { return std::isfinite(color.r + color.g + color.b + color.a); }
+
+bool permitted_pixels(double pixels) { return pixels >= 0 && pixels <= kMaxPixels; }
 
 }  // namespace
 
@@ -24,7 +31,10 @@ void check(const RenderSettings& settings) {
   check_range("shadow_softness", settings.shadow_softness, 0.0, 0.1);
   check_range("light_azimuth_degrees", settings.light_azimuth_degrees, -360.0, 360.0);
   check_range("light_elevation_degrees", settings.light_elevation_degrees, 5.0, 90.0);
-  check_not_negative("grid_spacing", settings.grid_spacing);
+  if (settings.grid_spacing != 0.0 && !(settings.grid_spacing >= 1e-6 && settings.grid_spacing <= 1e9)) {
+    throw Error("grid_spacing = " + to_text(settings.grid_spacing) + ": permitted is 0, or 1e-06 to 1e+09");
+  }
+  check(settings.background, "background");
 }
 
 Renderer::Renderer(const RenderSettings& settings, std::string_view backend)
@@ -45,13 +55,15 @@ void Renderer::begin(const Camera& camera) { impl_->begin(camera); }
 
 void Renderer::draw_mesh(int mesh, const Material& material, const Pose& pose) {
   impl_->require_frame("draw_mesh");
+  check(material);
   impl_->add_mesh_draw(mesh, material, pose);
 }
 
 void Renderer::draw_ground(const Vec3& normal, double offset, Color color) {
   impl_->require_frame("draw_ground");
   const double length = normal.norm();
-  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(offset)) {
+  if (!(length > 0) || !std::isfinite(length) || !(std::abs(offset / length) <= kFarthest) ||
+      !finite(color)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }
@@ -61,7 +73,7 @@ void Renderer::draw_ground(const Vec3& normal, double offset, Color color) {
 void Renderer::draw_line(const Vec3& from, const Vec3& to, Color color, double width_pixels,
                          bool see_through) {
   impl_->require_frame("draw_line");
-  if (!from.allFinite() || !to.allFinite()) {
+  if (!within(from) || !within(to) || !finite(color) || !permitted_pixels(width_pixels)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }
@@ -70,7 +82,7 @@ void Renderer::draw_line(const Vec3& from, const Vec3& to, Color color, double w
 
 void Renderer::draw_point(const Vec3& center, Color color, double radius_pixels, bool see_through) {
   impl_->require_frame("draw_point");
-  if (!center.allFinite()) {
+  if (!within(center) || !finite(color) || !permitted_pixels(radius_pixels)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }
@@ -79,7 +91,7 @@ void Renderer::draw_point(const Vec3& center, Color color, double radius_pixels,
 
 void Renderer::draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Color color) {
   impl_->require_frame("draw_triangle");
-  if (!a.allFinite() || !b.allFinite() || !c.allFinite()) {
+  if (!within(a) || !within(b) || !within(c) || !finite(color)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }
@@ -90,7 +102,7 @@ void Renderer::draw_triangle(const Vec3& a, const Vec3& b, const Vec3& c, Color 
 void Renderer::draw_arrow(const Vec3& from, const Vec3& vector, Color color, double radius) {
   impl_->require_frame("draw_arrow");
   const double length = vector.norm();
-  if (!std::isfinite(length) || !from.allFinite() || !std::isfinite(radius)) {
+  if (!(length <= kFarthest) || !within(from) || !(std::abs(radius) <= kFarthest) || !finite(color)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }
@@ -119,6 +131,7 @@ void Renderer::draw_arrow(const Vec3& from, const Vec3& vector, Color color, dou
 
 void Renderer::draw_text(double x, double y, std::string_view text, const TextStyle& style) {
   impl_->require_frame("draw_text");
+  check(style);
   if (!(std::abs(x) < kFarOffPicture && std::abs(y) < kFarOffPicture)) {
     ++impl_->stats.skipped_not_finite;
     return;
@@ -128,7 +141,8 @@ void Renderer::draw_text(double x, double y, std::string_view text, const TextSt
 
 void Renderer::draw_label(const Vec3& anchor, std::string_view text, const TextStyle& style) {
   impl_->require_frame("draw_label");
-  if (!anchor.allFinite()) {
+  check(style);
+  if (!within(anchor)) {
     ++impl_->stats.skipped_not_finite;
     return;
   }

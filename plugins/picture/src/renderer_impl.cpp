@@ -81,7 +81,8 @@ void Renderer::Impl::require_frame(const char* call) const {
 
 void Renderer::Impl::add_mesh_draw(int mesh, const Material& material, const Pose& pose) {
   const SmoothMesh& shape = meshes.at(mesh);
-  if (!shape.finite() || !pose.linear.allFinite() || !pose.origin.allFinite()) {
+  const auto within = [](const auto& m) { return m.allFinite() && m.cwiseAbs().maxCoeff() <= kFarthest; };
+  if (!shape.finite() || !within(pose.linear) || !within(pose.origin)) {
     ++stats.skipped_not_finite;
     return;
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
@@ -17,6 +18,8 @@ struct HalfEdge {
   std::uint32_t low, high;  // vertices
   std::uint32_t corner_low, corner_high;
 };
+
+bool within_limits(const Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxMeshCoordinate; }
 
 // Disjoint sets of corners; those of one set share a normal.
 class CornerSets {
@@ -65,7 +68,9 @@ SmoothMesh::SmoothMesh(std::span<const Vec3> vertices, std::span<const Triangle>
   check_range("mesh crease_degrees", crease_degrees, 0.0, 180.0);
   if (triangles.empty()) throw Error("mesh triangles = 0: permitted is at least one");
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!vertices[i].allFinite()) check_finite("mesh vertex " + std::to_string(i), vertices[i]);
+    if (!within_limits(vertices[i])) {
+      check_range("mesh vertex " + std::to_string(i), vertices[i], -kMaxMeshCoordinate, kMaxMeshCoordinate);
+    }
   }
   std::vector<Vec3> face_normals(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -130,12 +135,12 @@ void SmoothMesh::move(std::span<const Vec3> vertices) {
     for (std::size_t k = 0; k < 3; ++k) normals_[indices_[i + k]] += normal;
   }
   Vec3 low = vertices[source_[0]], high = low;
-  double sum = 0;  // not finite as soon as one coordinate is not
+  finite_ = true;
   for (std::size_t i = 0; i < source_.size(); ++i) {
     const Vec3& p = vertices[source_[i]];
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
-    sum += 0.0 * p.sum();
+    finite_ = finite_ && within_limits(p);
     const double length = normals_[i].norm();
     const Vec3 n = length > 0 ? Vec3(normals_[i] / length) : Vec3(0, 0, 0);
     float* out = data_.data() + kFloatsPerVertex * i;
@@ -144,7 +149,6 @@ void SmoothMesh::move(std::span<const Vec3> vertices) {
       out[3 + c] = static_cast<float>(n[c]);
     }
   }
-  finite_ = std::isfinite(sum);
   bounds_.center = 0.5 * (low + high);
   const Vec3 half = 0.5 * (high - low);
   for (int c = 0; c < 3; ++c) bounds_.half[static_cast<std::size_t>(c)] = Vec3::Unit(c) * half[c];

@@ -90,8 +90,14 @@ int pixels(double units, double scale) { return static_cast<int>(std::lround(uni
 
 }  // namespace
 
-TextSize measure_text(std::string_view text, const TextStyle& style) {
+void check(const TextStyle& style) {
+  check(style.color, "text color");
   check_range("text scale", style.scale, 0.5, 16.0);
+  check(style.backing, "text backing");
+}
+
+TextSize measure_text(std::string_view text, const TextStyle& style) {
+  check(style);
   int lines = 1, columns = 0, column = 0;
   for (const char c : text) {
     if (c == '\n') {

@@ -10,14 +10,17 @@
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 
 void check(const Camera& camera) {
-  check_finite("camera eye", camera.eye);
-  check_finite("camera target", camera.target);
-  check_finite("camera up", camera.up);
+  check_range("camera eye", camera.eye, -kFarthest, kFarthest);
+  check_range("camera target", camera.target, -kFarthest, kFarthest);
+  check_range("camera up", camera.up, -1e9, 1e9);
   check_range("camera vertical_fov_degrees", camera.vertical_fov_degrees, 1.0, 150.0);
   const Vec3 sight = camera.target - camera.eye;
-  if (!(sight.norm() > 1e-9)) throw Error("camera target: permitted is a point away from the eye");
-  if (!(sight.normalized().cross(camera.up.normalized()).norm() > 1e-6)) {
-    throw Error("camera up: permitted is a vector that is neither zero nor along the line of sight");
+  if (!(sight.norm() > 1e-9)) {
+    throw Error("camera target = " + to_text(camera.target) + ": permitted is a point away from the eye");
+  }
+  if (!(camera.up.norm() >= 1e-9 && sight.normalized().cross(camera.up.normalized()).norm() > 1e-6)) {
+    throw Error("camera up = " + to_text(camera.up) +
+                ": permitted is a vector of length 1e-9 or more that is not along the line of sight");
   }
 }
 
@@ -82,13 +85,16 @@ Projected project(const Camera& camera, int width, int height, const Vec3& point
 
 Camera frame_box(const Vec3& low, const Vec3& high, const Vec3& direction, double aspect, const Vec3& up,
                  double vertical_fov_degrees) {
+  check_range("frame_box low", low, -kFarthest, kFarthest);
+  check_range("frame_box high", high, -kFarthest, kFarthest);
+  check_range("frame_box direction", direction, -kFarthest, kFarthest);
+  check_range("frame_box aspect", aspect, 1e-3, 1e3);
   Camera camera;
   camera.target = 0.5 * (low + high);
   camera.up = up;
   camera.vertical_fov_degrees = vertical_fov_degrees;
   camera.eye = camera.target - direction;
   check(camera);
-  check_positive("frame_box aspect", aspect);
   const double narrower = std::min(1.0, aspect);
   const double half_angle =
       std::atan(std::tan(vertical_fov_degrees * 3.14159265358979323846 / 360.0) * narrower);

@@ -134,6 +134,7 @@ void WorldPainter::draw(const btCollisionWorld& world) {
 }
 
 void WorldPainter::set_material(const btCollisionObject& object, const Material& material) {
+  check(material);
   impl_->looks[&object].material = material;
 }
 

@@ -13,11 +13,12 @@ namespace softpoint::inline SOFTPOINT_ABI {
 
 // How contact is solved. The defaults are the knee of cost against error at 1/60 s.
 struct ContactSettings {
-  double margin = 1e-3;        // m, gap kept between skin and collider; 1e-5 to 0.1
-  double tolerance = 1e-6;     // m, a Gauss-Seidel sweep that moves no contact by more ends the solve
+  double margin = 1e-3;  // m, gap kept between skin and collider; 1e-5 to 0.1
+  double tolerance =
+      1e-6;  // m, 1e-12 to 1e-2; a Gauss-Seidel sweep that moves no contact by more ends the solve
   int max_iterations = 250;    // Gauss-Seidel sweeps a pass, 1 to 10000
   int max_passes = 8;          // detection and solution rounds a substep, 1 to 20
-  double rebound_speed = 0.2;  // m/s, slower impacts do not bounce
+  double rebound_speed = 0.2;  // m/s, slower impacts do not bounce; 0 to 1e6
   bool rigid_support = true;   // solve rigid-rigid contacts of touched piles together with ours
 };
 // Throws Error naming the field, its value and the permitted range.

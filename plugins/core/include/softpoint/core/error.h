@@ -18,6 +18,8 @@ class SOFTPOINT_API Error : public std::runtime_error {
 
 // Shortest text that reads back as the same double ("nan", "inf" for the non-finite).
 SOFTPOINT_API std::string to_text(double value);
+// "[1, 2.5, nan]"
+SOFTPOINT_API std::string to_text(const Vec3& value);
 
 // Refuse a value outside [low, high], or not finite.
 SOFTPOINT_API void check_range(std::string_view field, double value, double low, double high);
@@ -25,6 +27,8 @@ SOFTPOINT_API void check_positive(std::string_view field, double value);
 SOFTPOINT_API void check_not_negative(std::string_view field, double value);
 SOFTPOINT_API void check_finite(std::string_view field, double value);
 SOFTPOINT_API void check_finite(std::string_view field, const Vec3& value);
+// The same for each of three components.
+SOFTPOINT_API void check_range(std::string_view field, const Vec3& value, double low, double high);
 // Refuse an index outside [0, count).
 SOFTPOINT_API void check_index(std::string_view field, long long index, long long count);
 

@@ -48,6 +48,9 @@ struct StiffnessSettings {
   double memory_limit = 0;  // bytes; 0: what /proc/meminfo calls available
 };
 
+// Throws Error naming the field, its value and the permitted range.
+SOFTPOINT_API void check(const StiffnessSettings& settings);
+
 // Wall time by stage, s.
 struct StiffnessSeconds {
   double quadrature = 0;    // double and single layers of all pairs of triangles

@@ -11,11 +11,13 @@ namespace softpoint::inline SOFTPOINT_ABI::elastic {
 // matrix. Stable for any stiffness and time step; momentum and angular momentum are kept to rounding.
 class SOFTPOINT_API ElasticBody final : public Deformable {
  public:
-  // Puts the mesh's origin at `origin` (m), turned by `rotation`, at rest and undeformed.
+  // Puts the mesh's origin at `origin` (m), turned by `rotation`, at rest and undeformed. Throws Error for no
+  // model, what is no rotation, or points farther out than kMaxPosition.
   explicit ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& origin = Vec3::Zero(),
                        const Mat3& rotation = Mat3::Identity());
 
-  // Rigid velocity: `linear` (m/s) of the centre of mass, `angular` (rad/s) about it. Keeps the shape.
+  // Rigid velocity: `linear` (m/s) of the centre of mass, `angular` (rad/s) about it. Keeps the shape. Throws
+  // Error beyond kMaxSpeed or kMaxSpin.
   void set_velocity(const Vec3& linear, const Vec3& angular = Vec3::Zero());
 
   // Shared with other bodies.

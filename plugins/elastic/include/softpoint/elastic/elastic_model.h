@@ -38,7 +38,8 @@ struct ElasticModel {
   int dofs() const { return 3 * mesh.vertex_count(); }
 };
 
-// Throws Error for a mesh that bounds no solid, or settings or material out of range.
+// Throws Error for a mesh that bounds no solid, settings or material out of range, or a Young's modulus so
+// high against density and time step that rounding would drown the masses.
 SOFTPOINT_API std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
                                                                      const Material& material,
                                                                      const ElasticSettings& settings = {});

@@ -8,9 +8,9 @@ namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
 // Linear, isotropic, homogeneous.
 struct Material {
-  double young = 1e5;      // Young's modulus, Pa; > 0
+  double young = 1e5;      // Young's modulus, Pa; kMinYoung to kMaxYoung
   double poisson = 0.3;    // Poisson's ratio; kMinPoisson to kMaxPoisson
-  double density = 1000.;  // kg/m^3; > 0
+  double density = 1000.;  // kg/m^3; kMinDensity to kMaxDensity
 };
 
 // Thermodynamics permits -1 to 1/2, both excluded. Towards 1/2 linear boundary elements lock:
@@ -18,6 +18,14 @@ struct Material {
 inline constexpr double kMinPoisson = -0.9;
 // Largest Poisson's ratio permitted.
 inline constexpr double kMaxPoisson = 0.49;
+// Softer than any foam, Pa.
+inline constexpr double kMinYoung = 1e-6;
+// Stiffer than any diamond, Pa.
+inline constexpr double kMaxYoung = 1e15;
+// Lighter than any gas, kg/m^3.
+inline constexpr double kMinDensity = 1e-6;
+// Heavier than any metal, kg/m^3.
+inline constexpr double kMaxDensity = 1e9;
 
 // Throws Error naming the field, as "<name>.young" and so on.
 SOFTPOINT_API void check(const Material& material, std::string_view name = "material");

@@ -14,13 +14,18 @@
 // Linear elastostatics of one body from its surface mesh.
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
-// Vertices held at a displacement from their place in the mesh, m; an empty component is free.
+// The largest traction that a problem may hold, Pa.
+inline constexpr double kMaxTraction = 1e15;
+
+// Vertices held at a displacement from their place in the mesh, m; an empty component is free. Up to
+// kMaxMeshCoordinate.
 struct HeldVertices {
   std::vector<int> vertices;                   // 0-based
   std::array<std::optional<double>, 3> value;  // m, along x, y, z
 };
 
-// A uniform traction (force per area, Pa) on some triangles; several on one triangle add up.
+// A uniform traction (force per area, Pa, up to kMaxTraction) on some triangles; several on one triangle add
+// up.
 struct FaceTraction {
   std::vector<int> faces;     // 0-based
   Vec3 value = Vec3::Zero();  // Pa
@@ -32,7 +37,7 @@ struct StaticProblem {
   Material material;                       // of the whole solid; its density counts with gravity only
   std::vector<HeldVertices> displacement;  // what is held
   std::vector<FaceTraction> traction;      // what pushes
-  Vec3 gravity = Vec3::Zero();             // m/s^2, in the frame of the mesh
+  Vec3 gravity = Vec3::Zero();             // m/s^2, in the frame of the mesh; up to kMaxAcceleration
 };
 
 // Wall time by stage, s.

@@ -25,6 +25,9 @@ struct CacheSettings {
   SOFTPOINT_API static std::string default_folder();
 };
 
+// Throws Error naming the field, its value and the permitted range.
+SOFTPOINT_API void check(const CacheSettings& cache);
+
 // Since the program started, all threads.
 struct CacheCounters {
   std::uint64_t hits = 0;      // read from a file

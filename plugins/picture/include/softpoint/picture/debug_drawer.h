@@ -11,9 +11,9 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 
 // How debug drawing looks.
 struct DebugStyle {
-  double line_pixels = 1.2;      // width of lines
-  double contact_pixels = 3.5;   // radius of a contact point
-  double contact_length = 0.08;  // metres, the arrow along a contact's normal; 0 for none
+  double line_pixels = 1.2;      // width of lines, 0.1 to 1000
+  double contact_pixels = 3.5;   // radius of a contact point, 0.1 to 1000
+  double contact_length = 0.08;  // metres, the arrow along a contact's normal; 0 for none, up to 1e6
   bool see_through = true;       // lines and points also show behind solids
 };
 

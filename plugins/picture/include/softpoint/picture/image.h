@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "softpoint/core/config.h"
@@ -14,6 +15,9 @@ struct Color {
   float b = 0;  // blue
   float a = 1;  // opacity
 };
+
+// Throws Error naming "<name> r" and so on unless all four are finite.
+SOFTPOINT_API void check(const Color& color, std::string_view name = "color");
 
 // Rows from the top, four bytes a pixel (red, green, blue, opacity), sRGB-encoded.
 struct Image {

@@ -28,7 +28,7 @@ struct RenderSettings {
   double light_elevation_degrees = 52.0;  // 5 to 90
 
   bool grid = true;         // lines on the ground
-  double grid_spacing = 0;  // metres between lines; 0 chooses a power of ten by the camera's distance
+  double grid_spacing = 0;  // metres between lines, 1e-6 to 1e9; 0: a power of ten by the camera's distance
 
   bool sky = true;                        // else the plain `background`
   Color background{0.93F, 0.94F, 0.95F};  // opaque
@@ -48,7 +48,7 @@ struct RenderStats {
   int casters_culled = 0;         // without a shadow in the picture
   long long triangles_drawn = 0;  // of meshes, by the camera
   int meshes_uploaded = 0;        // new or moved since they were last drawn
-  int skipped_not_finite = 0;     // draw calls dropped for a NaN or infinity in them
+  int skipped_not_finite = 0;     // draw calls dropped for a NaN, or places beyond kFarthest
 };
 
 // Draws off screen, frame by frame: begin(), any draw_...(), finish(). All coordinates are metres in the
@@ -56,7 +56,8 @@ struct RenderStats {
 // time; several may live side by side. finish(), constructor and destructor leave the renderer's own OpenGL
 // context current on the calling thread, so an application with another one makes that current again.
 //
-// Errors: wrong settings, cameras, indices and calls out of turn throw Error.
+// Errors: wrong settings, cameras, materials, styles, indices and calls out of turn throw Error; what cannot
+// be drawn for a NaN, infinity or place beyond kFarthest is left out and counted.
 class SOFTPOINT_API Renderer {
  public:
   // Makes an OpenGL context of its own.

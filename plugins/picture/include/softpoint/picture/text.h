@@ -13,6 +13,9 @@ struct TextStyle {
   Color backing{1.0F, 1.0F, 1.0F, 0.70F};  // plate under the text; opacity 0 for none
 };
 
+// Throws Error naming the field.
+SOFTPOINT_API void check(const TextStyle& style);
+
 // Size of a text on its plate.
 struct TextSize {
   int width = 0;   // pixels, backing included
