@@ -1,15 +1,16 @@
 # add_subdirectory: the application gets the libraries it links, compiled by its own settings, and nothing of its
-# own is changed. In the short tier the compiled sources come from the main build.
+# own is changed. What is compiled of our sources comes from the main build in the short tier.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 [ "$PACKAGE_GENERATOR" = Ninja ] || skip "reads what Ninja would do"
 folder=$PACKAGE_WORK/embedded
 precision=${precisions[0]}
 suffix=$(suffix_of "$precision")
-launcher=
-full_tier || launcher="bash;$here/reuse_objects.sh"
 
 for linkage in static shared; do
   new_folder "$folder"
+  # The full tier compiles the sources for the static libraries.
+  launcher="bash;$here/reuse_objects.sh"
+  if full_tier && [ $linkage = static ]; then launcher=; fi
   options=()
   # Static is what comes without asking.
   [ $linkage = static ] || options=(-DBUILD_SHARED_LIBS=ON)
