@@ -21,3 +21,12 @@ for precision in "${precisions[@]}"; do
     grep -q " typeinfo for softpoint::abi_$precision::$name$" <<<"$shown" || fail "no typeinfo of $name"
   done
 done
+
+# Every function and class of the headers is marked, or a program could link the static library only. (StageTimer is all inline.)
+cd "$prefix/include"
+unmarked=$(find . -name '*.h' -exec awk '
+  /^namespace softpoint/ { inside = 1 }
+  /^}  \/\/ namespace/ { inside = 0 }
+  inside && /^[A-Za-z].*\(/ && !/^(SOFTPOINT_API|inline|constexpr|template|static_assert|struct|class|enum|using|namespace)[ (]/
+  inside && /^class [A-Za-z]+.*[^;]$/ && !/^class (SOFTPOINT_API|StageTimer) /' {} +)
+[ -z "$unmarked" ] || fail "without SOFTPOINT_API: $unmarked"
