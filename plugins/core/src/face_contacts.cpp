@@ -7,11 +7,11 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-// A face has up to nine contact points, one in each cell of a grid of barycentric weights.
+// A face has a contact point in each cell of a grid of barycentric weights that was nearest to the shape.
 int zone(const Vec3& weights) {
-  constexpr double kCells = 3.0;
-  return 4 * static_cast<int>(std::min(kCells * weights[0], 2.999)) +
-         static_cast<int>(std::min(kCells * weights[1], 2.999));
+  constexpr int kCells = 6;
+  const auto cell = [](double weight) { return std::min(static_cast<int>(kCells * weight), kCells - 1); };
+  return kCells * cell(weights[0]) + cell(weights[1]);
 }
 
 }  // namespace

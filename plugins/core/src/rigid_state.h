@@ -2,6 +2,7 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -48,6 +49,16 @@ class RigidStates {
   // d(velocity of object a at arm_a) / d(impulse on object b at arm_b), 1/kg. Zero between objects that are
   // not joined.
   Mat3 compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b) const;
+  // Calls visit(span of doubles) for everything that pushes change linearly.
+  template <class Visit>
+  void visit_state(Visit visit) {
+    for (RigidState& state : states_) {
+      if (state.movable()) {
+        visit(std::span<double>(state.velocity.data(), 3));
+        visit(std::span<double>(state.angular_velocity.data(), 3));
+      }
+    }
+  }
   // All velocities back to the free ones.
   void restart();
   // End poses by the present velocities.
