@@ -94,18 +94,11 @@ struct Depths {
   }
 };
 
-// The law holds for boxes, planes and capsules in ordinary drops, and within hundredths of a millimetre for
-// spheres. Two cases are known to exceed it for some frames of the blow (bounds in the README of core): other
-// convex shapes, whose edges are rounded by Bullet's margin, and blows of a soft 100 kg body at more than 5
-// m/s or on something free that is lighter.
-bool in_law(const Drop& c) {
-  return c.onto != Onto::sphere && c.onto != Onto::hull && c.onto != Onto::cylinder &&
-         c.onto != Onto::compound && c.speed < 4 && c.mass == 0;
-}
-double vertex_limit(const Drop& c) { return in_law(c) || c.onto == Onto::sphere ? kVertexDepth : 15e-3; }
-double corner_limit(const Drop& c) {
-  return in_law(c) ? kCornerDepth : c.onto == Onto::sphere && c.speed < 4 ? 1.2 * kCornerDepth : 30e-3;
-}
+// The law holds for ordinary drops on every shape. Blows of a soft 100 kg body at more than 5 m/s or on something
+// free that is lighter are known to exceed it for some frames (bounds in the README of core).
+bool in_law(const Drop& c) { return c.speed < 4 && c.mass == 0; }
+double vertex_limit(const Drop& c) { return in_law(c) ? kVertexDepth : 5e-3; }
+double corner_limit(const Drop& c) { return in_law(c) ? kCornerDepth : 15e-3; }
 
 class Dropped : public ::testing::TestWithParam<Drop> {};
 
