@@ -291,12 +291,13 @@ void expect_features_on_surface(const btCollisionShape& shape, std::size_t corne
   const ColliderShape& s = shapes.get(shape);
   EXPECT_EQ(s.corners.size(), corners);
   EXPECT_EQ(s.edges.size(), edges);
-  ASSERT_EQ(s.corner_edges.size(), s.corners.size());
+  ASSERT_EQ(s.corner_edges_from.size(), s.corners.size() + 1);
   constexpr double kRim = 6e-4;  // a polygon stands for a circle
   for (std::size_t i = 0; i < s.corners.size(); ++i) {
     EXPECT_NEAR(s.distance(s.corners[i]).distance, 0.0, by_precision(1e-9, 1e-6));
-    EXPECT_GE(s.corner_edges[i].size(), 3u);
-    for (const Vec3& edge : s.corner_edges[i]) {
+    const std::span<const Vec3> directions = s.edges_of_corner(static_cast<int>(i));
+    EXPECT_GE(directions.size(), 3u);
+    for (const Vec3& edge : directions) {
       EXPECT_NEAR(edge.norm(), 1.0, 1e-6);
       EXPECT_LT(s.distance(s.corners[i] + 1e-3 * edge).distance, 1e-5) << "an edge leads away from the shape";
     }

@@ -93,7 +93,8 @@ void build_convex(ColliderShape& s, const btConvexShape& shape) {
     s.kind = ColliderShape::Kind::round;
     s.convex = &shape;
   } else {
-    add_facet_features(s);
+    FeatureWorkspace work;
+    add_facet_features(s, work);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <limits>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -51,7 +52,8 @@ struct ColliderShape {
 
   // Corners and edges that can press into a skin; round shapes meet it face by face instead.
   std::vector<Vec3> corners;
-  std::vector<std::vector<Vec3>> corner_edges;  // per corner, unit directions of its edges away from it
+  std::vector<Vec3> corner_edges;  // unit directions of the corners' edges away from them, corner by corner
+  std::vector<int> corner_edges_from;  // per corner, and the end: where its directions begin
   std::vector<ShapeEdge> edges;
   BoxTree corner_tree, edge_tree, facet_tree;
 
@@ -59,6 +61,11 @@ struct ColliderShape {
   Vec3 bounds_max = Vec3::Zero();
   double thinnest = 0;  // m, smallest distance across
 
+  std::span<const Vec3> edges_of_corner(int corner) const {
+    const auto c = static_cast<std::size_t>(corner);
+    const auto from = static_cast<std::size_t>(corner_edges_from[c]);
+    return {corner_edges.data() + from, static_cast<std::size_t>(corner_edges_from[c + 1]) - from};
+  }
   SurfaceDistance distance(const Vec3& local) const;
   // Conservative: farther than `reach` from the shape for certain.
   bool beyond(const Vec3& local, double reach) const;

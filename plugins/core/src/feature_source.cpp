@@ -50,7 +50,7 @@ FeatureSource::Edge RigidFeatures::edge(int index, bool at_start) const {
 
 // Against the skin's normal, but within the cone of directions in which the corner is foremost.
 Vec3 RigidFeatures::press_direction(int corner, const Vec3& skin_normal, const Vec3& outward) const {
-  const auto& edges = shape_.corner_edges[static_cast<std::size_t>(corner)];
+  const std::span<const Vec3> edges = shape_.edges_of_corner(corner);
   Vec3 direction = -(end_.rotation.transpose() * skin_normal).normalized();
   for (int round = 0; round < 3; ++round) {
     for (const Vec3& edge : edges) {

@@ -91,6 +91,7 @@ const ColliderShape& MeshPatches::get(int body, const btCollisionObject& object,
   patch.facets.clear();
   patch.corners.clear();
   patch.corner_edges.clear();
+  patch.corner_edges_from.clear();
   patch.edges.clear();
   patch.thinnest = std::numeric_limits<double>::infinity();
   patch.bounds_min = entry.region.low;
@@ -99,7 +100,7 @@ const ColliderShape& MeshPatches::get(int body, const btCollisionObject& object,
   collect.facets = &patch.facets;
   collect.region = entry.region;
   shape.processAllTriangles(&collect, to_bullet(entry.region.low), to_bullet(entry.region.high));
-  add_facet_features(patch);
+  add_facet_features(patch, work_);
   return patch;
 }
 

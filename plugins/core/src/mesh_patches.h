@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "collider_shape.h"
+#include "shape_features.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
@@ -38,6 +38,7 @@ class MeshPatches {
 
   long long substep_ = 0;
   std::vector<Entry> entries_;
+  FeatureWorkspace work_;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

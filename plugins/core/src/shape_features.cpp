@@ -31,8 +31,9 @@ void add_edge(ColliderShape& s, const Vec3& a, const Vec3& b, const Vec3& toward
   s.edges.push_back({a, b, square(toward_first), square(toward_second)});
 }
 
-void index_features(ColliderShape& s) {
-  std::vector<Bounds> boxes;
+void index_features(ColliderShape& s, FeatureWorkspace& work) {
+  std::vector<Bounds>& boxes = work.boxes;
+  boxes.clear();
   for (const Vec3& corner : s.corners) {
     boxes.push_back(Bounds::of(corner));
   }
@@ -47,14 +48,16 @@ void index_features(ColliderShape& s) {
 
 // Directions of a corner's edges, where every edge ends in two of the corners.
 void connect_corners(ColliderShape& s) {
-  s.corner_edges.assign(s.corners.size(), {});
-  for (const ShapeEdge& edge : s.edges) {
-    for (std::size_t c = 0; c < s.corners.size(); ++c) {
-      if (s.corners[c] == edge.a) s.corner_edges[c].push_back((edge.b - edge.a).normalized());
-      if (s.corners[c] == edge.b) s.corner_edges[c].push_back((edge.a - edge.b).normalized());
+  for (const Vec3& corner : s.corners) {
+    s.corner_edges_from.push_back(static_cast<int>(s.corner_edges.size()));
+    for (const ShapeEdge& edge : s.edges) {
+      if (corner == edge.a) s.corner_edges.push_back((edge.b - edge.a).normalized());
+      if (corner == edge.b) s.corner_edges.push_back((edge.a - edge.b).normalized());
     }
   }
-  index_features(s);
+  s.corner_edges_from.push_back(static_cast<int>(s.corner_edges.size()));
+  FeatureWorkspace work;
+  index_features(s, work);
 }
 
 }  // namespace
@@ -118,15 +121,11 @@ void add_cone_features(ColliderShape& s) {
   connect_corners(s);
 }
 
-void add_facet_features(ColliderShape& s) {
-  struct Side {
-    int a, b;  // vertices, a < b
-    int facet;
-    Vec3 into;
-  };
+void add_facet_features(ColliderShape& s, FeatureWorkspace& work) {
   constexpr double kFlat = 0.99985;  // cosine of one degree
   // Vertices are one where they are the same point.
-  std::vector<Vec3> points;
+  std::vector<Vec3>& points = work.points;
+  points.clear();
   for (const ShapeFacet& f : s.facets) {
     points.insert(points.end(), {f.a, f.b, f.c});
   }
@@ -138,9 +137,9 @@ void add_facet_features(ColliderShape& s) {
   const auto index = [&](const Vec3& p) {
     return static_cast<int>(std::lower_bound(points.begin(), points.end(), p, less) - points.begin());
   };
-  std::vector<Side> sides;
-  for (std::size_t f = 0; f < s.facets.size(); ++f) {
-    const ShapeFacet& facet = s.facets[f];
+  auto& sides = work.sides;
+  sides.clear();
+  for (const ShapeFacet& facet : s.facets) {
     const Vec3* corner[3] = {&facet.a, &facet.b, &facet.c};
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& p = *corner[k];
@@ -148,24 +147,24 @@ void add_facet_features(ColliderShape& s) {
       const Vec3 along = (q - p).normalized();
       const Vec3 inward = *corner[(k + 2) % 3] - p;
       const int i = index(p), j = index(q);
-      sides.push_back({std::min(i, j), std::max(i, j), static_cast<int>(f),
+      sides.push_back({std::min(i, j), std::max(i, j), static_cast<int>(sides.size()),
                        (inward - inward.dot(along) * along).normalized()});
     }
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return x.a != y.a ? x.a < y.a : x.b != y.b ? x.b < y.b : x.facet < y.facet;
+  std::sort(sides.begin(), sides.end(), [](const auto& x, const auto& y) {
+    return x.a != y.a ? x.a < y.a : x.b != y.b ? x.b < y.b : x.number < y.number;
   });
-  std::vector<std::vector<Vec3>> around_vertex(points.size());
-  std::vector<char> sharp(points.size(), 0);
+  work.sharp.assign(points.size(), 0);
+  auto& ends = work.ends;
+  ends.clear();
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].a == sides[i].a && sides[end].b == sides[i].b) {
       ++end;
     }
     const auto a = static_cast<std::size_t>(sides[i].a), b = static_cast<std::size_t>(sides[i].b);
-    const Vec3 along = (points[b] - points[a]).normalized();
-    around_vertex[a].push_back(along);
-    around_vertex[b].push_back(-along);
+    ends.push_back({sides[i].a, sides[i].b});
+    ends.push_back({sides[i].b, sides[i].a});
     // Facets may overlap (fans over one face): the second side is the one that leads away from the first
     // most.
     const bool rim = end == i + 1;
@@ -178,18 +177,30 @@ void add_facet_features(ColliderShape& s) {
     const double cosine = second.dot(sides[i].into);
     if (rim || (cosine > -kFlat && cosine < kFlat)) {
       s.edges.push_back({points[a], points[b], sides[i].into, rim ? Vec3(Vec3::Zero()) : second});
-      sharp[a] = sharp[b] = 1;
+      work.sharp[a] = work.sharp[b] = 1;
     }
     i = end;
   }
+  std::sort(ends.begin(), ends.end());
+  auto end = ends.begin();
   for (std::size_t v = 0; v < points.size(); ++v) {
-    if (sharp[v] != 0) {
-      s.corners.push_back(points[v]);
-      s.corner_edges.push_back(around_vertex[v]);
+    const auto first = end;
+    while (end != ends.end() && (*end)[0] == static_cast<int>(v)) {
+      ++end;
+    }
+    if (work.sharp[v] == 0) {
+      continue;
+    }
+    s.corners.push_back(points[v]);
+    s.corner_edges_from.push_back(static_cast<int>(s.corner_edges.size()));
+    for (auto e = first; e != end; ++e) {
+      s.corner_edges.push_back((points[static_cast<std::size_t>((*e)[1])] - points[v]).normalized());
     }
   }
-  index_features(s);
-  std::vector<Bounds> boxes;
+  s.corner_edges_from.push_back(static_cast<int>(s.corner_edges.size()));
+  index_features(s, work);
+  std::vector<Bounds>& boxes = work.boxes;
+  boxes.clear();
   for (const ShapeFacet& f : s.facets) {
     boxes.push_back(Bounds::of(f.a));
     boxes.back().include(f.b);

@@ -13,7 +13,8 @@ void Skin::update(const Deformable& body) {
   if (current_ && body_ == &body) {
     return;
   }
-  const bool known = body_ == &body && face_boxes_.size() == body.triangles_.size();
+  const bool known = body_ == &body && face_boxes_.size() == body.triangles_.size() &&
+                     edge_boxes_.size() == body.edges_.size();
   body_ = &body;
   current_ = true;
   const auto at = [&](int v) -> const Vec3& { return body.end_positions_[static_cast<std::size_t>(v)]; };
