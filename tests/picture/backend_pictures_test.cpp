@@ -82,9 +82,7 @@ TEST(BackendMix, ARendererPerThread) {
     std::vector<Image> images(4);
     std::vector<std::thread> threads;
     for (std::size_t i = 0; i < images.size(); ++i) {
-      threads.emplace_back([&, i] {
-        for (int repeat = 0; repeat < 3; ++repeat) images[i] = render_alone(scenes[i], backend);
-      });
+      threads.emplace_back([&, i] { images[i] = render_alone(scenes[i], backend); });
     }
     for (std::thread& thread : threads) thread.join();
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -117,7 +115,7 @@ double resident_mb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-// A hundred contexts with all their buffers and programs, and ten that drew something.
+// A hundred contexts with all their buffers and programs, and four that drew something.
 TEST(BackendMix, RenderersLeaveNothingBehind) {
   if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "no /proc here";
   for (const Backend backend : built_backends()) {
@@ -125,10 +123,10 @@ TEST(BackendMix, RenderersLeaveNothingBehind) {
       for (int i = 0; i < empty; ++i) Renderer(with(plain_settings(), backend));
       for (int i = 0; i < full; ++i) render_alone(picture_scenes().front(), backend);
     };
-    come_and_go(20, 3);
+    come_and_go(5, 2);
     const int files = entries("/proc/self/fd"), threads = entries("/proc/self/task");
     const double before = resident_mb();
-    come_and_go(100, 10);
+    come_and_go(100, 4);
     EXPECT_EQ(entries("/proc/self/fd"), files) << backend_name(backend);
     EXPECT_EQ(entries("/proc/self/task"), threads) << backend_name(backend);
     // One colour buffer with 4 samples is 0.3 MB of it, a shadow map 1 MB.
