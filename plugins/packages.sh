@@ -12,7 +12,7 @@ softpoint_required=(
 softpoint_required_for_tests=(libgtest-dev)
 # Packages that only add something.
 softpoint_optional=(ffmpeg libegl-dev libegl-mesa0 libgl1-mesa-dri)
-softpoint_optional_for_full_tests=(doxygen)
+softpoint_optional_for_full_tests=(doxygen clang libclang-rt-14-dev)
 
 say() { printf '%s\n' "softpoint: $*"; }
 
@@ -61,8 +61,13 @@ softpoint_install() {
 
 # softpoint_build <folder> <cmake option>...: configures and builds, with a line now and then.
 softpoint_build() {
-  local folder=$1 started=$SECONDS
-  shift
+  softpoint_build_target all "$@"
+}
+
+# softpoint_build_target <target> <folder> <cmake option>...: the same for one target.
+softpoint_build_target() {
+  local target=$1 folder=$2 started=$SECONDS
+  shift 2
   say "configuring in $folder"
   if ! cmake -S "$softpoint_root" -B "$folder" -G Ninja "$@" >"$folder.configure.log" 2>&1; then
     cat "$folder.configure.log"
@@ -73,10 +78,10 @@ softpoint_build() {
   rm -f "$folder.configure.log"
   say "building with $(nproc) jobs"
   if [ -t 1 ]; then
-    cmake --build "$folder" -j "$(nproc)" || { say "the build failed"; exit 1; }
+    cmake --build "$folder" --target "$target" -j "$(nproc)" || { say "the build failed"; exit 1; }
   else
     # One line in ten, and everything that is not progress (warnings, errors).
-    cmake --build "$folder" -j "$(nproc)" | awk '!/^\[[0-9]+\/[0-9]+\]/ || ++n % 10 == 0 { print; fflush() }'
+    cmake --build "$folder" --target "$target" -j "$(nproc)" | awk '!/^\[[0-9]+\/[0-9]+\]/ || ++n % 10 == 0 { print; fflush() }'
     [ "${PIPESTATUS[0]}" = 0 ] || { say "the build failed"; exit 1; }
   fi
   say "built in $((SECONDS - started)) s"

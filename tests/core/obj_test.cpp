@@ -88,6 +88,7 @@ TEST_F(Obj, RefusesNamingFileAndLine) {
 TEST_F(Obj, RefusesMissingFilesAndFolders) {
   expect_refusal([&] { read_obj(folder_.path() / "none.obj"); }, {"none.obj", "No such file"});
   expect_refusal([&] { read_obj(folder_.path()); }, {"folder"});
+  expect_refusal([&] { read_obj("/dev/zero"); }, {"/dev/zero:1: a line of more than 1048576 characters"});
   expect_refusal([&] { write_obj(folder_.path() / "no" / "a.obj", sphere(1.0, 0)); }, {"a.obj", "no folder"});
 }
 

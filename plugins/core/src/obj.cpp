@@ -19,6 +19,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "softpoint/core/atomic_file.h"
 #include "softpoint/core/error.h"
@@ -57,14 +58,18 @@ class LineSource : public std::streambuf {
 
  protected:
   int_type underflow() override {
-    if (!std::getline(in_, line_)) {
+    // Into room of a fixed size: a device may hold a line without an end.
+    in_.getline(room_.data(), static_cast<std::streamsize>(room_.size()));
+    const auto length = static_cast<std::size_t>(in_.gcount());
+    if (length == 0) {
       return traits_type::eof();
     }
     ++number_;
-    if (line_.size() > kMaxLine) {
-      refuse("a line of " + std::to_string(line_.size()) + " characters: permitted is up to " +
+    if (in_.fail() && length + 1 == room_.size()) {
+      refuse("a line of more than " + std::to_string(kMaxLine) + " characters: permitted is up to " +
              std::to_string(kMaxLine));
     }
+    line_.assign(room_.data(), in_.eof() ? length : length - 1);  // the line feed counts, but is not kept
     if (line_.find('\0') != std::string::npos) {
       refuse("a zero byte: this is no text file");
     }
@@ -94,6 +99,7 @@ class LineSource : public std::streambuf {
   std::istream& in_;
   std::string file_;
   std::string line_;
+  std::vector<char> room_ = std::vector<char>(kMaxLine + 2);
   int number_ = 0;
 };
 
