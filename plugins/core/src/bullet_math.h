@@ -4,6 +4,10 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "softpoint/core/vec.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -26,6 +30,22 @@ inline Mat3 cross_matrix(const Vec3& a) {
   Mat3 m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
   return m;
+}
+
+// The turn Bullet's integrators make in `dt` with this angular velocity (rad/s): its rotation vector, with
+// the limit they set on it and the tangent that this limit brings in.
+inline Eigen::Quaterniond bullet_turn_quaternion(const Vec3& angular_velocity, double dt) {
+  const double speed = angular_velocity.norm();
+  const double half = std::min(0.5 * speed * std::abs(dt), 0.125 * std::numbers::pi);
+  if (half == 0.0) {
+    return Eigen::Quaterniond::Identity();
+  }
+  const double limited = 2.0 * half / dt;  // rad/s
+  const Vec3 axis = (std::sin(half) / limited) * angular_velocity;
+  return Eigen::Quaterniond(std::cos(half), axis.x(), axis.y(), axis.z()).normalized();
+}
+inline Mat3 bullet_turn(const Vec3& angular_velocity, double dt) {
+  return bullet_turn_quaternion(angular_velocity, dt).toRotationMatrix();
 }
 
 // A rigid placement in double precision: world = rotation * local + origin.

@@ -80,7 +80,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   SolverTap tap_;
   PairHook pairs_hook_;
   std::vector<Pair> pairs_;
-  RigidStates rigid_;
+  RigidStates rigid_{world};
   ColliderShapes shapes_;
   MeshPatches patches_;
   std::vector<PlacedShape> placed_;

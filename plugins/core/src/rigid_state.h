@@ -1,11 +1,12 @@
 #pragma once
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 
 #include <span>
-#include <unordered_map>
 #include <vector>
 
+#include "articulated_body.h"
 #include "bullet_math.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -14,7 +15,10 @@ namespace softpoint::inline SOFTPOINT_ABI {
 // where Bullet's integrator will put it.
 struct RigidState {
   const btCollisionObject* object = nullptr;
-  btRigidBody* body = nullptr;           // null when impulses do not move it (static, kinematic, other kinds)
+  btRigidBody* body = nullptr;           // a rigid body that impulses move, or null
+  int articulated = -1;                  // the articulated body it is a link of, or -1
+  int slot = -1;                         // among the links touched there
+  bool movable_link = false;             // a link that impulses move
   Pose start, end;                       // origin is the centre of mass
   Vec3 velocity = Vec3::Zero();          // m/s, of the centre of mass
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
@@ -24,7 +28,7 @@ struct RigidState {
   Mat3 inverse_inertia = Mat3::Zero();  // world frame, 1/(kg m2)
   bool changed = false;
 
-  bool movable() const { return body != nullptr; }
+  bool movable() const { return body != nullptr || movable_link; }
   Vec3 velocity_of(const Vec3& arm) const { return velocity + angular_velocity.cross(arm); }
   // Where btTransformUtil::integrateTransform will put the body after `dt`.
   void integrate(double dt);
@@ -33,6 +37,9 @@ struct RigidState {
 // The colliders of one substep. Indices stay valid until clear().
 class RigidStates {
  public:
+  // Multibodies step only in a btMultiBodyDynamicsWorld; elsewhere their links stand still.
+  explicit RigidStates(btDiscreteDynamicsWorld& world);
+
   void clear();
   int find_or_add(const btCollisionObject* object, double dt);
   // Index of an object already present, or -1.
@@ -63,11 +70,29 @@ class RigidStates {
   void restart();
   // End poses by the present velocities.
   void integrate(double dt);
-  // Hand the changed velocities to Bullet, waking what sleeps.
+  // World position (m) of a point of an object's frame at the end of the step, by the present velocities.
+  Vec3 end_point(int index, const Vec3& local, double dt) const;
+  // Hands the changed velocities to Bullet, after its constraint solver has run, waking what sleeps.
   void write_back();
+  // The same before its solver has run, over a step of `dt`; take_back() undoes what of it would last.
+  void load(double dt);
+  void take_back();
 
  private:
+  bool read_link(RigidState& state, double dt);
+  int find_or_add_articulated(btMultiBody& body, double dt);
+
+  void write_back_rigid();
+
+  btMultiBodyDynamicsWorld* multibody_world_;  // or null
+  bool forces_come_first_ = false;             // the world integrates forces before it looks for collisions
   std::vector<RigidState> states_;
+  struct Articulated {
+    ArticulatedBody body;
+    std::vector<int> states;  // of its touched links, by slot
+    bool in_use = false, changed = false;
+  };
+  std::vector<Articulated> articulated_;  // by index in the world, so that each keeps its storage
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

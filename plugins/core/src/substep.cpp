@@ -38,6 +38,7 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
 
 void DeformableSystem::Impl::all_solved(double dt) {
   open_substep(dt);
+  rigid_.take_back();
   predict(dt);
   place_colliders(dt);
   solve_contacts(dt);
@@ -80,7 +81,7 @@ void DeformableSystem::Impl::open_substep(double dt) {
     contact.rigid = rigid_.find_or_add(contact.object, dt);
     rigid_.push(contact.rigid, -contact.impulse, contact.arm);
   }
-  rigid_.write_back();
+  rigid_.load(dt);
   rigid_.clear();
 }
 
