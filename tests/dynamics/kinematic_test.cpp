@@ -169,6 +169,7 @@ TEST_P(Kinematic, PaddleSweepsWithoutPenetration) {
     system.add(body);
     const double rate = 2.0;  // rad/s
     double deepest = -1, corner = -1;
+    int touched = 0;
     for (int i = 1; i <= 90; ++i) {
       const double angle = rate * i / 60.0;
       // The velocity over the step, as Bullet finds it for a kinematic rigid body: from pose to pose.
@@ -178,9 +179,16 @@ TEST_P(Kinematic, PaddleSweepsWithoutPenetration) {
       world.step();
       deepest = std::max(deepest, skin_depth(body, paddle.object()));
       corner = std::max(corner, corner_depth(body, paddle.object()));
+      for (const ContactPoint& c : system.contacts()) {
+        if (c.other == &paddle.object()) {
+          ++touched;
+          break;
+        }
+      }
     }
-    std::printf("    E %.0e: deepest vertex %.2e m, corner %.2e m; body at %.2f %.2f\n", young, deepest,
-                corner, body.center_of_mass().x(), body.center_of_mass().z());
+    std::printf("    E %.0e: deepest vertex %.2e m, corner %.2e m; body at %.2f %.2f, %d steps in contact\n",
+                young, deepest, corner, body.center_of_mass().x(), body.center_of_mass().z(), touched);
+    EXPECT_GT(touched, 10);
     EXPECT_LE(deepest, 1e-3);
     EXPECT_LE(corner, 1e-3);
     EXPECT_LT(body.center_of_mass().z(), -0.8);

@@ -15,6 +15,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void ContactSolver::begin_step(std::span<Deformable* const> bodies, double dt) {
   dt_ = dt;
+  handle_solver_.begin_step();
   touched_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     touched_[b].local.assign(bodies[b]->positions_.size(), -1);
@@ -163,7 +164,7 @@ void ContactSolver::prepare_rows(std::span<Deformable* const> bodies, std::vecto
     contact.impulse = push * contact.normal + friction;
     add_impulse(contact, rows_[c], contact.impulse, rigid);
   }
-  handle_solver_.prepare(handles, bodies, touched_, dt_);
+  handle_solver_.prepare(handles, bodies, touched_, rigid, dt_);
 }
 
 double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid) {
@@ -302,7 +303,7 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
     conjugate_.remember(state);
     double change = sweep_contacts(contacts, rigid);
     // A handle is to be exact, so it is asked for ten times more than a contact.
-    change = std::max(change, 10.0 * handle_solver_.sweep(handles, touched_));
+    change = std::max(change, 10.0 * handle_solver_.sweep(handles, touched_, rigid));
     change = std::max(change, support.sweep(rigid, dt_));
     ++profile.counts.iterations;
     profile.counts.residual = change;

@@ -71,7 +71,12 @@ void DeformableSystem::Impl::forget(const Deformable& body) {
   const int gone = index_of(&body);
   contacts_.erase_if([&](const Contact& c) { return c.body == gone || c.other_body == gone; });
   patches_.forget_body(gone);
-  std::erase_if(handles, [&](const Handle& h) { return h.body == gone; });
+  std::erase_if(handles, [&](const Handle& h) {
+    if (h.body == gone) {
+      let_go(h);
+    }
+    return h.body == gone;
+  });
   std::erase_if(pairs_, [&](const Pair& p) { return p.body == gone || p.other == &body; });
   std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == &body || p.other == &body; });
   for (Contact& contact : contacts_.all()) {
@@ -94,50 +99,6 @@ int DeformableSystem::Impl::index_of(const btCollisionObject* object) const {
     }
   }
   return -1;
-}
-
-Handle& DeformableSystem::Impl::handle(HandleId id, const char* caller) {
-  for (Handle& h : handles) {
-    if (h.id == id) {
-      return h;
-    }
-  }
-  throw Error(std::string(caller) + ": handle " + std::to_string(id) +
-              " is unknown; permitted is one that grab returned and release has not taken");
-}
-
-HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target, double max_force) {
-  if (body.system_ != this) {
-    throw Error("grab: the body is not in this system");
-  }
-  check_index("grab: point", point, static_cast<long long>(body.points().size()));
-  check_range("grab: target", target, -kMaxPosition, kMaxPosition);
-  if (!(max_force > 0.0)) {
-    throw Error("grab: max_force = " + to_text(max_force) + ": permitted is a number > 0, or infinity");
-  }
-  Handle handle;
-  handle.id = impl_->next_handle++;
-  handle.body = impl_->index_of(&body);
-  handle.point = point;
-  handle.target = target;
-  handle.max_force = max_force;
-  impl_->handles.push_back(handle);
-  return handle.id;
-}
-
-void DeformableSystem::move(HandleId id, const Vec3& target) {
-  check_range("move: target", target, -kMaxPosition, kMaxPosition);
-  impl_->handle(id, "move").target = target;
-}
-
-void DeformableSystem::release(HandleId id) {
-  impl_->handle(id, "release");
-  std::erase_if(impl_->handles, [&](const Handle& h) { return h.id == id; });
-}
-
-Vec3 DeformableSystem::handle_force(HandleId id) const {
-  const Handle& handle = impl_->handle(id, "handle_force");
-  return impl_->last_step() > 0.0 ? Vec3(handle.impulse / impl_->last_step()) : Vec3(Vec3::Zero());
 }
 
 std::span<const ContactPoint> DeformableSystem::contacts() const { return impl_->contact_points; }

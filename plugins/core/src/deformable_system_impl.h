@@ -22,6 +22,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   bool owns(const btCollisionObject* object) const override;
   void pair_found(const btCollisionObject* deformable, const btCollisionObject* other, double dt) override;
   void pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) override;
+  void before_solving() override;
   void all_solved(double dt) override;
   void updateAction(btCollisionWorld* world, btScalar dt) override;
   void debugDraw(btIDebugDraw* drawer) override;
@@ -29,6 +30,10 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   // Index of a body of this system, or -1.
   int index_of(const btCollisionObject* object) const;
   Handle& handle(HandleId id, const char* caller);
+  Handle new_handle(const char* caller, const Deformable& body, int point, const Vec3& target,
+                    double max_force);
+  bool in_world(const btCollisionObject* object, int& index) const;
+  void let_go(const Handle& held);
   void forget(const Deformable& body);
   double last_step() const { return last_dt_; }  // s
 
@@ -57,13 +62,16 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
     bool ahead;  // found by add_pairs_ahead, not by the broadphase
   };
   // The stages of a substep, in order.
-  void open_substep(double dt);     // pairs begin anew, colliders feel the contact forces of the last substep
+  // Pairs begin anew, colliders feel the contact forces of the last substep; `solved`: Bullet has solved
+  // already.
+  void open_substep(double dt, bool solved);
   void predict(double dt);          // free motion
   void place_colliders(double dt);  // poses, velocities and shapes of what is near
   void solve_contacts(double dt);   // detect and solve until the end of the step is free of penetration
   void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
   void commit(double dt);           // new positions, guard, mirror
 
+  void release_lost_anchors();
   void forget_impulses(int body);
   void add_pairs_ahead();
   const ColliderShape& mesh_patch(int body, int rigid, const btConcaveShape& shape, const Pose& local,

@@ -105,7 +105,8 @@ void DeformableSystem::Impl::add_pairs_ahead() {
     }
     for (const Handle& held : handles) {
       if (held.body == static_cast<int>(b)) {
-        end.include(held.target);
+        end.include(held.anchored() ? from_bullet(held.object->getWorldTransform()).to_world(held.target)
+                                    : held.target);
       }
     }
     const Bounds known{from_bullet(body.m_bounds[0]), from_bullet(body.m_bounds[1])};
@@ -168,13 +169,25 @@ void DeformableSystem::Impl::place_colliders(double dt) {
       }
     }
   }
+  bool touched = !placed_.empty();
+  for (Handle& held : handles) {
+    if (held.anchored()) {
+      held.rigid = rigid_.find_or_add(held.object, dt);
+      touched = true;
+    }
+  }
   support_.clear();
-  if (settings.rigid_support && !placed_.empty()) {
+  if (settings.rigid_support && touched) {
     support_.collect(*world.getDispatcher(), rigid_, dt);
   }
   profile.counts.support_points = support_.size();
   for (const Contact& contact : contacts_.all()) {
     rigid_.push_free(contact.rigid, contact.impulse, contact.arm);  // what open_substep had taken
+  }
+  for (const Handle& held : handles) {
+    if (held.anchored()) {
+      rigid_.push_free(held.rigid, held.impulse, held.arm);
+    }
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     profile.counts.without_pairs +=

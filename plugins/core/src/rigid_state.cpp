@@ -187,6 +187,13 @@ Mat3 RigidStates::compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b)
   return result;
 }
 
+bool RigidStates::joined(int a, int b) const {
+  const RigidState& at_a = (*this)[a];
+  const RigidState& at_b = (*this)[b];
+  return at_a.movable() && at_b.movable() &&
+         (a == b || (at_a.movable_link && at_b.movable_link && at_a.articulated == at_b.articulated));
+}
+
 void RigidStates::restart() {
   for (RigidState& state : states_) {
     state.velocity = state.free_velocity;
@@ -229,11 +236,11 @@ void RigidStates::write_back() {
   }
 }
 
-void RigidStates::load(double dt) {
+void RigidStates::load(double dt, bool solved) {
   write_back_rigid();
   for (Articulated& articulated : articulated_) {
     if (articulated.in_use && articulated.changed) {
-      articulated.body.load(!forces_come_first_, dt);
+      articulated.body.load(!solved && !forces_come_first_, dt);
     }
   }
 }

@@ -65,7 +65,14 @@ class RigidStates {
         visit(std::span<double>(state.angular_velocity.data(), 3));
       }
     }
+    for (Articulated& articulated : articulated_) {
+      if (articulated.in_use) {
+        articulated.body.visit_state(visit);
+      }
+    }
   }
+  // Whether pushes on one change the velocities of the other.
+  bool joined(int a, int b) const;
   // All velocities back to the free ones.
   void restart();
   // End poses by the present velocities.
@@ -74,8 +81,9 @@ class RigidStates {
   Vec3 end_point(int index, const Vec3& local, double dt) const;
   // Hands the changed velocities to Bullet, after its constraint solver has run, waking what sleeps.
   void write_back();
-  // The same before its solver has run, over a step of `dt`; take_back() undoes what of it would last.
-  void load(double dt);
+  // The same at the begin of a step of `dt`, before its solver has run unless `solved`; take_back() undoes
+  // what of it would last.
+  void load(double dt, bool solved);
   void take_back();
 
  private:

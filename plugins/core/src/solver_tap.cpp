@@ -31,6 +31,11 @@ SolverTap::~SolverTap() {
   }
 }
 
+void SolverTap::prepareSolve(int bodies, int manifolds) {
+  listener_.before_solving();
+  original_->prepareSolve(bodies, manifolds);
+}
+
 void SolverTap::allSolved(const btContactSolverInfo& info, btIDebugDraw* drawer) {
   original_->allSolved(info, drawer);
   listener_.all_solved(info.m_timeStep);

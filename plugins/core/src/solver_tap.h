@@ -8,10 +8,12 @@
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
-// Told when Bullet has solved velocities but not yet integrated positions.
+// Told when Bullet is about to solve velocities (not in a btDeformableMultiBodyDynamicsWorld), and when it
+// has solved them but not yet integrated positions.
 class SolvedListener {
  public:
   virtual ~SolvedListener() = default;
+  virtual void before_solving() = 0;
   virtual void all_solved(double dt) = 0;
 };
 
@@ -23,7 +25,7 @@ class SolverTap final : public btConstraintSolver {
   SolverTap(const SolverTap&) = delete;
   SolverTap& operator=(const SolverTap&) = delete;
 
-  void prepareSolve(int bodies, int manifolds) override { original_->prepareSolve(bodies, manifolds); }
+  void prepareSolve(int bodies, int manifolds) override;
   btScalar solveGroup(btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
                       int manifold_count, btTypedConstraint** constraints, int constraint_count,
                       const btContactSolverInfo& info, btIDebugDraw* drawer,

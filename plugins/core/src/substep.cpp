@@ -15,7 +15,7 @@ bool DeformableSystem::Impl::owns(const btCollisionObject* object) const {
 
 void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other,
                                         double dt) {
-  open_substep(dt);
+  open_substep(dt, false);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b] == deformable) {
       pairs_.push_back({static_cast<int>(b), other, false});
@@ -36,8 +36,11 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
   }
 }
 
+// Where no pair was near, anchors may still load something.
+void DeformableSystem::Impl::before_solving() { open_substep(world.getSolverInfo().m_timeStep, false); }
+
 void DeformableSystem::Impl::all_solved(double dt) {
-  open_substep(dt);
+  open_substep(dt, true);
   rigid_.take_back();
   predict(dt);
   place_colliders(dt);
@@ -58,7 +61,7 @@ void DeformableSystem::Impl::updateAction(btCollisionWorld*, btScalar step) {
   ++profile.totals.substeps;
 }
 
-void DeformableSystem::Impl::open_substep(double dt) {
+void DeformableSystem::Impl::open_substep(double dt, bool solved) {
   if (open_) {
     return;
   }
@@ -67,6 +70,7 @@ void DeformableSystem::Impl::open_substep(double dt) {
   profile.counts = {};
   pairs_.clear();
   rigid_.clear();
+  release_lost_anchors();
   // Bullet is about to solve the rigid bodies: let it see the load they carried in the last substep, so
   // that a pile under a deformable answers it now. What changes is settled after Bullet.
   const double scale = last_dt_ > 0.0 ? dt / last_dt_ : 0.0;
@@ -81,7 +85,16 @@ void DeformableSystem::Impl::open_substep(double dt) {
     contact.rigid = rigid_.find_or_add(contact.object, dt);
     rigid_.push(contact.rigid, -contact.impulse, contact.arm);
   }
-  rigid_.load(dt);
+  for (Handle& held : handles) {
+    held.impulse *= scale;
+    if (held.anchored()) {
+      held.arm = bodies[static_cast<std::size_t>(held.body)]->points()[static_cast<std::size_t>(held.point)] -
+                 from_bullet(held.object->getWorldTransform().getOrigin());
+      held.rigid = rigid_.find_or_add(held.object, dt);
+      rigid_.push(held.rigid, -held.impulse, held.arm);
+    }
+  }
+  rigid_.load(dt, solved);
   rigid_.clear();
 }
 
@@ -95,6 +108,8 @@ void DeformableSystem::Impl::predict(double dt) {
   }
   profile.counts.deformables = static_cast<int>(bodies.size());
   profile.counts.handles = static_cast<int>(handles.size());
+  profile.counts.anchors = static_cast<int>(
+      std::count_if(handles.begin(), handles.end(), [](const Handle& held) { return held.anchored(); }));
   solver_.begin_step(bodies, dt);
 }
 

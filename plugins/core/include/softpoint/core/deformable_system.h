@@ -76,11 +76,22 @@ class SOFTPOINT_API DeformableSystem {
   std::optional<RayHit> pick(const Vec3& from, const Vec3& to) const;
 
   // Dragging. A handle holds one point of a body at `target` (m) from the next step on; max_force (N)
-  // limits its pull, infinity makes it a pin that is moved exactly. Where several hold one point, all pull.
+  // limits its pull, infinity makes it a pin that is moved exactly. Where several hold one point, all pull;
+  // of several pins the last one given holds.
   HandleId grab(Deformable& body, int point, const Vec3& target,
                 double max_force = std::numeric_limits<double>::infinity());
-  // A new target (m), for the steps to come.
+  // Anchors: handles whose target is a point of a rigid body, a multibody's link or any other collision
+  // object of the world: `local` (m) in the frame of its world transform, or where the point is now. What
+  // moves by impulses feels the opposite ones. With `collide` false the two do not collide while the anchor
+  // holds. An object that leaves the world takes its anchors with it.
+  HandleId attach(Deformable& body, int point, const btCollisionObject& to, const Vec3& local,
+                  double max_force = std::numeric_limits<double>::infinity(), bool collide = false);
+  HandleId attach(Deformable& body, int point, const btCollisionObject& to,
+                  double max_force = std::numeric_limits<double>::infinity(), bool collide = false);
+  // A new target (m), for the steps to come; that of an anchor in its object's frame.
   void move(HandleId handle, const Vec3& target);
+  // Whether a handle still exists: false after its release, when its body or its object has gone.
+  bool holds(HandleId handle) const;
   // Lets go.
   void release(HandleId handle);
   // Force of a handle on its body in the last substep (N).

@@ -30,7 +30,8 @@ struct Profile {
     int mesh_patches = 0;      // patches of triangle meshes collected anew
     int contacts = 0;          // contact points handed to the solver in the last pass
     int support_points = 0;    // rigid-rigid contact points re-solved together with ours
-    int handles = 0;           // held points
+    int handles = 0;           // held points, anchors included
+    int anchors = 0;           // points tied to objects
     int passes = 0;            // detection and solution rounds
     int iterations = 0;        // Gauss-Seidel sweeps over all passes
     double residual = 0;       // m, last change of a contact point in the last sweep
@@ -41,6 +42,7 @@ struct Profile {
     long long guard_fired = 0;       // times a body was put back because a number was not finite
     long long late_substeps = 0;     // substeps solved after integration: the solver tap was not called
     long long refactorizations = 0;  // response matrices made anew because the time step changed
+    long long anchors_released = 0;  // anchors whose object left the world
   };
 
   Seconds seconds;  // of the last substep
