@@ -125,6 +125,27 @@ TEST(EveryField, OfGrab) {
       [](Seam& seam, const Grab& g) { seam.system.grab(seam.body, g.point, g.target, g.max_force); });
 }
 
+TEST(EveryField, OfAttach) {
+  struct Attach {
+    int point = 1;
+    Vec3 local{0.1, 0.4, 0};
+    double max_force = 10;
+  };
+  expect_every_argument<Attach>(
+      {},
+      [](Attach& a) {
+        Fields fields{
+            {"point", a.point, 0, 3},
+            {"max_force", a.max_force, std::numeric_limits<double>::denorm_min(), kLargest, {kUnbounded}}};
+        add_fields(fields, "local", a.local, -kMaxPosition, kMaxPosition);
+        return fields;
+      },
+      [](Seam& seam, const Attach& a) {
+        const btCollisionObject& floor = *seam.world->getCollisionObjectArray()[0];
+        seam.system.attach(seam.body, a.point, floor, a.local, a.max_force);
+      });
+}
+
 TEST(EveryField, OfMove) {
   expect_every_argument<Vec3>(
       Vec3(0.1, 0.5, 0),

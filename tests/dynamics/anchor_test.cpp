@@ -309,7 +309,7 @@ TEST(AnchorRefusal, NamesWhatIsWrongAndChangesNothing) {
   expect_refusal([&] { system.attach(outside, 0, box); }, {"attach", "not in this system"});
   expect_refusal([&] { system.attach(body, 26, box); }, {"attach: point", "26"});
   expect_refusal([&] { system.attach(body, -1, box, Vec3::Zero()); }, {"attach: point", "-1"});
-  expect_refusal([&] { system.attach(body, 0, box, Vec3(0, nan, 0)); }, {"attach: target", "nan"});
+  expect_refusal([&] { system.attach(body, 0, box, Vec3(0, nan, 0)); }, {"attach: local", "nan"});
   expect_refusal([&] { system.attach(body, 0, box, 0.0); }, {"attach: max_force", "0", "> 0"});
   expect_refusal([&] { system.attach(body, 0, foreign); }, {"attach", "not in the world"});
   expect_refusal([&] { system.attach(body, 0, soft); }, {"attach", "soft body"});

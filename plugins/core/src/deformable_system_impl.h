@@ -30,8 +30,8 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   // Index of a body of this system, or -1.
   int index_of(const btCollisionObject* object) const;
   Handle& handle(HandleId id, const char* caller);
-  Handle new_handle(const char* caller, const Deformable& body, int point, const Vec3& target,
-                    double max_force);
+  Handle new_handle(const char* caller, const char* target_name, const Deformable& body, int point,
+                    const Vec3& target, double max_force);
   bool in_world(const btCollisionObject* object, int& index) const;
   void let_go(const Handle& held);
   void forget(const Deformable& body);

@@ -46,15 +46,15 @@ void DeformableSystem::Impl::release_lost_anchors() {
   });
 }
 
-Handle DeformableSystem::Impl::new_handle(const char* caller, const Deformable& body, int point,
-                                          const Vec3& target, double max_force) {
+Handle DeformableSystem::Impl::new_handle(const char* caller, const char* target_name, const Deformable& body,
+                                          int point, const Vec3& target, double max_force) {
   const std::string name = caller;
   const int index = index_of(&body);
   if (index < 0) {
     throw Error(name + ": the body is not in this system");
   }
   check_index(name + ": point", point, static_cast<long long>(body.points().size()));
-  check_range(name + ": target", target, -kMaxPosition, kMaxPosition);
+  check_range(name + ": " + target_name, target, -kMaxPosition, kMaxPosition);
   if (!(max_force > 0.0)) {
     throw Error(name + ": max_force = " + to_text(max_force) + ": permitted is a number > 0, or infinity");
   }
@@ -68,7 +68,7 @@ Handle DeformableSystem::Impl::new_handle(const char* caller, const Deformable& 
 }
 
 HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target, double max_force) {
-  impl_->handles.push_back(impl_->new_handle("grab", body, point, target, max_force));
+  impl_->handles.push_back(impl_->new_handle("grab", "target", body, point, target, max_force));
   return impl_->handles.back().id;
 }
 
@@ -82,7 +82,7 @@ HandleId DeformableSystem::attach(Deformable& body, int point, const btCollision
     throw Error(
         "attach: the object is a soft body; permitted are rigid bodies, links of multibodies and others");
   }
-  Handle handle = impl_->new_handle("attach", body, point, local, max_force);
+  Handle handle = impl_->new_handle("attach", "local", body, point, local, max_force);
   handle.object = &to;
   handle.object_index = index;
   handle.collide = collide;
