@@ -104,6 +104,16 @@ Penetration measure_penetration(const Player& player) {
           measure_pair(soft, actor.solid(k), at, vertex, corner);
         }
       }
+      for (std::size_t c = 0; c < actor.mesh_corners().size(); ++c) {
+        const Vec3 at = actor.placement().to_world(actor.mesh_corners()[c]);
+        if ((at - middle).norm() > reach) {
+          continue;
+        }
+        if (const double depth = depth_below_skin(soft, at); depth > corner.depth) {
+          corner.depth = depth;
+          corner.point = static_cast<int>(c);
+        }
+      }
       for (Depth* depth : {&vertex, &corner}) {
         depth->frame = player.frame();
         depth->deformable = player.scene().deformables[d].name;

@@ -76,6 +76,18 @@ btCollisionShape* RigidActor::make_convex(const ShapeSpec& s) {
   return shapes_.back().get();
 }
 
+btCollisionShape* RigidActor::make_mesh(const ShapeSpec& s) {
+  mesh_corners_ = s.points;
+  mesh_ = std::make_unique<btTriangleMesh>();
+  for (const Triangle& t : s.triangles) {
+    const auto corner = [&](std::size_t k) { return to_bullet(s.points[static_cast<std::size_t>(t[k])]); };
+    mesh_->addTriangle(corner(0), corner(1), corner(2));
+  }
+  shapes_.push_back(std::make_unique<btBvhTriangleMeshShape>(mesh_.get(), true));
+  shapes_.back()->setMargin(kRoundedMargin);
+  return shapes_.back().get();
+}
+
 // Mass goes by volume; Bullet's frame is put at the centre of mass, along the principal axes.
 btCollisionShape* RigidActor::make_compound(const RigidBodySpec& spec, Placement& body_in_shape,
                                             btVector3& inertia) {
@@ -113,6 +125,9 @@ btCollisionShape* RigidActor::make_compound(const RigidBodySpec& spec, Placement
 
 btCollisionShape* RigidActor::make_shape(const RigidBodySpec& spec, Placement& body_in_shape,
                                          btVector3& inertia) {
+  if (spec.shape.kind == ShapeKind::kMesh) {
+    return make_mesh(spec.shape);
+  }
   const bool is_compound = spec.shape.kind == ShapeKind::kCompound;
   if (is_compound || (spec.mass > 0.0 && !ConvexSolid(spec.shape).center().isZero(1e-9))) {
     return make_compound(spec, body_in_shape, inertia);
@@ -146,6 +161,8 @@ RigidActor::RigidActor(const RigidBodySpec& spec) : mass_(spec.mass) {
     body_->setActivationState(DISABLE_DEACTIVATION);
   }
 }
+
+Placement RigidActor::placement() const { return from_bullet(body_->getWorldTransform()); }
 
 Placement RigidActor::solid_placement(std::size_t k) const {
   return from_bullet(body_->getWorldTransform()) * solids_[k].in_body;

@@ -53,8 +53,9 @@ ConvexSolid::ConvexSolid(const ShapeSpec& shape) : shape_(shape) {
     case ShapeKind::kHull:
       build_hull();
       break;
+    case ShapeKind::kMesh:
     case ShapeKind::kCompound:
-      throw Error("ConvexSolid: a compound is not convex");
+      throw Error("ConvexSolid: a mesh or compound is not convex");
   }
 }
 

@@ -10,7 +10,7 @@ namespace softpoint::inline SOFTPOINT_ABI::scene {
 // for measuring penetration independently of any collision code.
 class ConvexSolid {
  public:
-  // Of any shape but a compound. Throws Error for a hull without volume.
+  // Of any shape but a mesh or a compound. Throws Error for a hull without volume.
   explicit ConvexSolid(const ShapeSpec& shape);
 
   // How deep `local` (m, in the frame of the shape) lies inside, to the nearest point of the surface.

@@ -45,18 +45,19 @@ struct Motion {
 
 struct ShapePart;
 
-enum class ShapeKind { kBox, kSphere, kCapsule, kCylinder, kCone, kPlane, kHull, kCompound };
+enum class ShapeKind { kBox, kSphere, kCapsule, kCylinder, kCone, kPlane, kHull, kMesh, kCompound };
 
 struct ShapeSpec {
   ShapeKind kind = ShapeKind::kBox;
-  Vec3 size = Vec3::Ones();      // m, whole edges of a box
-  double radius = 0;             // m
-  double length = 0;             // m: cylinder, cone; of a capsule without its half spheres
-  int axis = 1;                  // of capsule, cylinder, cone
-  Vec3 normal = Vec3::UnitY();   // of a plane
-  double offset = 0;             // m, of a plane
-  std::vector<Vec3> points;      // m, of a hull
-  std::vector<ShapePart> parts;  // of a compound, none of them a compound
+  Vec3 size = Vec3::Ones();         // m, whole edges of a box
+  double radius = 0;                // m
+  double length = 0;                // m: cylinder, cone; of a capsule without its half spheres
+  int axis = 1;                     // of capsule, cylinder, cone
+  Vec3 normal = Vec3::UnitY();      // of a plane
+  double offset = 0;                // m, of a plane
+  std::vector<Vec3> points;         // m, of a hull or mesh
+  std::vector<Triangle> triangles;  // of a mesh
+  std::vector<ShapePart> parts;     // of a compound, none of them a compound
 };
 
 struct ShapePart {

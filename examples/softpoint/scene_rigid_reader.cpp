@@ -71,17 +71,23 @@ ReadObject round_shape(ShapeSpec& shape, ShapeKind kind, const std::string& leng
   };
 }
 
-void read_hull(ObjectReader& item, ShapeSpec& shape) {
-  shape.kind = ShapeKind::kHull;
-  const auto file = item.file("file", {.doc = "OBJ, metres; the convex hull of its vertices"});
+void read_surface(ObjectReader& item, ShapeSpec& shape, ShapeKind kind) {
+  shape.kind = kind;
+  const bool mesh = kind == ShapeKind::kMesh;
+  const auto file = item.file("file", {.doc = mesh ? "OBJ, metres; its triangles, touched on both sides"
+                                                   : "OBJ, metres; the convex hull of its vertices"});
   const double scale = item.number(
       "scale", {.low = 1.0 / kMaxScale, .high = kMaxScale, .fallback = 1.0, .doc = "factor on all lengths"});
   if (item.describing()) {
     return;
   }
   try {
-    for (const Vec3& vertex : read_obj(file).vertices) {
+    TriangleMesh surface = read_obj(file);
+    for (const Vec3& vertex : surface.vertices) {
       shape.points.push_back(scale * vertex);
+    }
+    if (mesh) {
+      shape.triangles = std::move(surface.triangles);
     }
   } catch (const Error& error) {
     item.refuse("file", error.what());
@@ -118,7 +124,7 @@ void read_shape(ObjectReader& item, ShapeSpec& shape, bool may_be_compound) {
       {"capsule", "", round_shape(shape, ShapeKind::kCapsule, "without the half spheres")},
       {"cylinder", "", round_shape(shape, ShapeKind::kCylinder, "")},
       {"cone", "tip towards the positive axis", round_shape(shape, ShapeKind::kCone, "tip to base")},
-      {"hull", "convex hull", [&](ObjectReader& reader) { read_hull(reader, shape); }},
+      {"hull", "convex hull", [&](ObjectReader& reader) { read_surface(reader, shape, ShapeKind::kHull); }},
   };
   if (may_be_compound) {
     variants.push_back({"plane", "all below normal . x = offset; never moves", [&](ObjectReader& reader) {
@@ -138,6 +144,8 @@ void read_shape(ObjectReader& item, ShapeSpec& shape, bool may_be_compound) {
                                          .fallback = 0.0,
                                          .doc = "from the body's position along the unit normal"});
                         }});
+    variants.push_back({"mesh", "any surface, closed or open; never moves",
+                        [&](ObjectReader& reader) { read_surface(reader, shape, ShapeKind::kMesh); }});
     variants.push_back(
         {"compound", "rigidly joined", [&](ObjectReader& reader) { read_compound(reader, shape); }});
   }
@@ -205,6 +213,9 @@ RigidBodySpec read_rigid_body(ObjectReader& item) {
     }
     if (body.shape.kind == ShapeKind::kPlane && body.mass > 0.0) {
       item.refuse("mass", "a plane never moves; permitted is 0");
+    }
+    if (body.shape.kind == ShapeKind::kMesh && body.mass > 0.0) {
+      item.refuse("mass", "a mesh never moves; permitted is 0, or the shape hull");
     }
     if (body.mass == 0.0 && !(body.motion.linear.isZero(0.0) && body.motion.angular.isZero(0.0))) {
       item.refuse("a body of mass 0 never moves; permitted is no velocity, or a mass above 0 kg");
