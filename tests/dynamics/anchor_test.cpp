@@ -277,7 +277,7 @@ TEST_P(Anchor, GoesWithItsObject) {
   expect_refusal([&] { system.handle_force(to_doomed); }, {"handle", "unknown"});
   world.step(60);
   EXPECT_LT(miss(*body, 0, kept, to_vec(kept.getWorldTransform().inverse() * to_bt(point_of(*body, 0)))),
-            1e-9);
+            by_precision(1e-9, 1e-6));
   body.reset();
   EXPECT_FALSE(system.holds(to_kept));
   world.step(5);

@@ -53,8 +53,9 @@ TEST(EveryField, OfRenderSettings) {
       small,
       [](RenderSettings& settings) {
         auto& [width, height, samples, shadows, shadow_resolution, shadow_softness, light_azimuth_degrees,
-               light_elevation_degrees, grid, grid_spacing, sky, background] = settings;
-        static_assert(std::is_same_v<decltype(shadows), bool> && std::is_same_v<decltype(grid), bool> &&
+               light_elevation_degrees, grid, grid_spacing, sky, background, backend] = settings;
+        static_assert(std::is_enum_v<std::remove_reference_t<decltype(backend)>> &&
+                      std::is_same_v<decltype(shadows), bool> && std::is_same_v<decltype(grid), bool> &&
                       std::is_same_v<decltype(sky), bool>);
         Fields fields{{"width", width, 16, 8192},
                       {"height", height, 16, 8192},

@@ -44,8 +44,14 @@ inline Eigen::Quaterniond bullet_turn_quaternion(const Vec3& angular_velocity, d
   const Vec3 axis = (std::sin(half) / limited) * angular_velocity;
   return Eigen::Quaterniond(std::cos(half), axis.x(), axis.y(), axis.z()).normalized();
 }
+// The same, but no farther than the limit: beyond it Bullet's turn runs on along the tangent, by up to a right
+// angle, where contact passes no longer converge (a 2 kg box shot at 30 m/s into a soft body: 43 mm deep
+// instead of 6 mm with the limit itself).
 inline Mat3 bullet_turn(const Vec3& angular_velocity, double dt) {
-  return bullet_turn_quaternion(angular_velocity, dt).toRotationMatrix();
+  const double speed = angular_velocity.norm();
+  const double angle = std::min(speed * std::abs(dt), 0.25 * std::numbers::pi);
+  return angle > 0.0 ? Mat3(Eigen::AngleAxisd(dt < 0.0 ? -angle : angle, angular_velocity / speed))
+                     : Mat3(Mat3::Identity());
 }
 
 // A rigid placement in double precision: world = rotation * local + origin.
