@@ -54,6 +54,7 @@ class ContactFinder {
 
   void touch_triangle(const ShapeFacet& facet, const Vec3& from, const Vec3& to, const Vec3& skin_normal,
                       std::vector<MeshTouch>& touches) const;
+  bool free_slot(int zone, const Vec3& point, double gap, Contact& name, ContactTable& contacts) const;
   bool sample_face(const Triangle& face, const ColliderShape& shape, const Pose& pose, Vec3& weights,
                    Vec3& normal, double& distance) const;
   void place_on_vertex(int vertex, const ShapeInstance& shape, const RigidState& rigid,

@@ -73,24 +73,44 @@ void ContactFinder::find_faces(const ShapeInstance& instance, const RigidState& 
     if (gap > kSlackMargins * margin_) {
       continue;
     }
-    name.skin_feature = f;
-    name.rigid_feature = zone(weights);
-    Contact& contact = contacts.find_or_add(name);
-    if (contact.count != 0) {
-      continue;  // a point of this zone is there already, and stays where it is: see refresh_face
-    }
-    contact.rigid = instance.rigid;
-    contact.shape_index = instance.index;
-    contact.normal = normal;
-    contact.gap = gap;
     Vec3 skin = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       skin += weights[static_cast<Eigen::Index>(k)] * body_->end_positions_[static_cast<std::size_t>(t[k])];
     }
+    name.skin_feature = f;
+    if (!free_slot(zone(weights), skin, gap, name, contacts)) {
+      continue;
+    }
+    Contact& contact = contacts.find_or_add(name);
+    contact.rigid = instance.rigid;
+    contact.shape_index = instance.index;
+    contact.normal = normal;
+    contact.gap = gap;
     contact.rigid_point = rigid.end.to_local(skin - (gap + margin_) * normal);
     place_on_face(f, weights, rigid, contact);
     contact.seen = contact.met = true;
   }
+}
+
+// Points that pressed in an earlier pass of this substep stay (see refresh_face); one that is found beside
+// them joins them, so that what a pass separates does not fall back in the next. In the first pass the
+// nearest point takes over from that of the last substep, so that what slides or rolls is pressed where it is
+// now.
+bool ContactFinder::free_slot(int zone, const Vec3& point, double gap, Contact& name,
+                              ContactTable& contacts) const {
+  constexpr int kSlots = 4, kZones = 16;
+  constexpr double kBeside = 1e-3;  // m
+  for (int slot = 0; slot < kSlots; ++slot) {
+    name.rigid_feature = zone + kZones * slot;
+    const Contact* known = contacts.find(name);
+    if (known == nullptr || !known->met) {
+      return slot == 0 || gap < 0.0;
+    }
+    if ((skin_point(*known) - point).squaredNorm() < kBeside * kBeside) {
+      return false;
+    }
+  }
+  return false;
 }
 
 // Where the core of a shape has got into a face: the deepest of ten points spread over it.
