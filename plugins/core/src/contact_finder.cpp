@@ -31,8 +31,12 @@ bool entry_point(const ColliderShape& shape, const Vec3& from, const Vec3& to, d
 }  // namespace
 
 void ContactFinder::begin_pass(int body_index, const Deformable& body, double margin, bool first) {
+  if (body_ != &body) {
+    mesh_memories_.clear();
+  }
   body_index_ = body_index;
   body_ = &body;
+  substep_ += first;
   margin_ = margin;
   reach_ = (1.0 + kSlackMargins) * margin;
   first_ = first;

@@ -50,10 +50,23 @@ class ContactFinder {
     double distance = 0;          // m, without sign
     double crossed_at = 2.0;      // part of the step after which it was crossed; 2 when it was not
     bool interior = false;        // within the triangle, or crossed
+    bool way_out = false;         // of a vertex on the wrong side
   };
 
-  void touch_triangle(const ShapeFacet& facet, const Vec3& from, const Vec3& to, const Vec3& skin_normal,
-                      std::vector<MeshTouch>& touches) const;
+  // On which side of a mesh the vertices were in the last substep.
+  struct MeshMemory {
+    const btCollisionObject* object = nullptr;
+    int child = 0;
+    long long substep = -1;          // of the last use
+    bool fresh = true;               // there was none
+    std::vector<signed char> sides;  // front 1, back -1, 0 unknown
+  };
+
+  MeshMemory& mesh_memory(const btCollisionObject* object, int child);
+  signed char side_of_mesh(const std::vector<ShapeFacet>& facets, const Vec3& from, const Vec3& to,
+                           const Vec3& skin_normal, bool fresh, signed char known) const;
+  void touch_mesh(const std::vector<ShapeFacet>& facets, const Vec3& from, const Vec3& to, double side,
+                  std::vector<MeshTouch>& touches) const;
   bool free_slot(int zone, const Vec3& point, double gap, Contact& name, ContactTable& contacts) const;
   bool sample_face(const Triangle& face, const ColliderShape& shape, const Pose& pose, Vec3& weights,
                    Vec3& normal, double& distance) const;
@@ -71,6 +84,8 @@ class ContactFinder {
   Skin skin_;
   std::vector<int> features_;       // scratch
   std::vector<MeshTouch> touches_;  // scratch
+  std::vector<MeshMemory> mesh_memories_;
+  long long substep_ = 0;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -98,7 +98,7 @@ void ContactFinder::find_faces(const ShapeInstance& instance, const RigidState& 
 // now.
 bool ContactFinder::free_slot(int zone, const Vec3& point, double gap, Contact& name,
                               ContactTable& contacts) const {
-  constexpr int kSlots = 4, kZones = 16;
+  constexpr int kSlots = 4, kZones = 36;
   constexpr double kBeside = 1e-3;  // m
   for (int slot = 0; slot < kSlots; ++slot) {
     name.rigid_feature = zone + kZones * slot;
