@@ -13,7 +13,7 @@
 
 namespace softpoint {
 
-enum class Shape { ball, part, cube, bar };
+enum class Shape { ball, part, cube, bar, marble, block, slab };
 
 inline TriangleMesh mesh_of(Shape shape) {
   switch (shape) {
@@ -23,6 +23,12 @@ inline TriangleMesh mesh_of(Shape shape) {
       return prism(16, 4, 1, 0.25, 0.5);  // the 82-vertex cylinder
     case Shape::cube:
       return box_grid(2, 2, 2, Vec3(0.4, 0.4, 0.4));  // 26 vertices
+    case Shape::marble:
+      return sphere(0.12, 2);  // 162 vertices
+    case Shape::block:
+      return box_grid(2, 2, 2, Vec3(0.15, 0.15, 0.15));  // 26 vertices
+    case Shape::slab:
+      return box_grid(8, 2, 4, Vec3(0.8, 0.15, 0.4));  // 114 vertices
     case Shape::bar:
       break;
   }
