@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "facet_sheets.h"
 #include "shape_features.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -38,6 +39,7 @@ class MeshPatches {
 
   long long substep_ = 0;
   std::vector<Entry> entries_;
+  FacetSheets sheets_;
   FeatureWorkspace work_;
 };
 
