@@ -52,8 +52,9 @@ TEST(EveryField, OfRenderSettings) {
   expect_every_field<RenderSettings>(
       small,
       [](RenderSettings& settings) {
-        auto& [width, height, samples, shadows, shadow_resolution, shadow_softness, light_azimuth_degrees,
-               light_elevation_degrees, grid, grid_spacing, sky, background, backend] = settings;
+        auto& [backend, width, height, samples, shadows, shadow_resolution, shadow_softness,
+               light_azimuth_degrees, light_elevation_degrees, grid, grid_spacing, sky, background] =
+            settings;
         static_assert(std::is_enum_v<std::remove_reference_t<decltype(backend)>> &&
                       std::is_same_v<decltype(shadows), bool> && std::is_same_v<decltype(grid), bool> &&
                       std::is_same_v<decltype(sky), bool>);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "joint_tree.h"
@@ -33,14 +32,6 @@ class ArticulatedBody {
   void push(int slot, const Twist& impulse);
   void push_free(int slot, const Twist& impulse);  // to the free velocities alone
   void restart() { change_ = free_change_; }
-  // Calls visit(span of doubles) for everything that push() changes.
-  template <class Visit>
-  void visit_state(Visit visit) {
-    visit(std::span<double>(change_.data(), static_cast<std::size_t>(change_.size())));
-    for (int slot = 0; slot < used_; ++slot) {
-      visit(std::span<double>(slots_[at(slot)].impulse.data(), 6));
-    }
-  }
   // Where a touched link will be `dt` after the start.
   Pose end(int slot, double dt) const;
   // Adds the change to what Bullet's solver leaves to be added to the velocities, and wakes the body.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
@@ -214,59 +213,6 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
   return largest;
 }
 
-template <class Visit>
-void ContactSolver::visit_state(std::vector<Contact>& contacts, std::vector<Handle>& handles,
-                                SupportContacts& support, RigidStates& rigid, Visit visit) {
-  for (Contact& contact : contacts) {
-    visit(std::span<double>(contact.impulse.data(), 3));
-  }
-  for (Handle& handle : handles) {
-    visit(std::span<double>(handle.impulse.data(), 3));
-  }
-  support.visit_state(visit);
-  rigid.visit_state(visit);
-  for (TouchedPoints& touched : touched_) {
-    for (std::vector<Vec3>* field : {&touched.displacement, &touched.impulses}) {
-      for (Vec3& value : *field) {
-        visit(std::span<double>(value.data(), 3));
-      }
-    }
-  }
-}
-
-// How the last sweep changed the impulses, each measured by the energy it brings alone (J s).
-ContactSolver::SweepChange ContactSolver::measure_change(const std::vector<Contact>& contacts,
-                                                         const std::vector<Handle>& handles,
-                                                         const SupportContacts& support) const {
-  SweepChange sum;
-  std::size_t i = 0;
-  const auto add = [&](const Mat3& compliance) {
-    Vec3 change, direction;
-    for (int axis = 0; axis < 3; ++axis, ++i) {
-      change[axis] = conjugate_.change(i);
-      direction[axis] = conjugate_.direction(i);
-    }
-    const Vec3 motion = compliance * change;
-    sum.size += change.dot(motion);
-    sum.along += direction.dot(motion);
-  };
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    add(rows_[c].compliance);
-  }
-  for (const Handle& handle : handles) {
-    const TouchedPoints& touched = touched_[at(handle.body)];
-    const int local = touched.local[at(handle.point)];
-    add(dt_ * touched.compliance(local, local));
-  }
-  support.visit_compliance([&](double compliance) {
-    const double change = conjugate_.change(i);
-    sum.size += dt_ * compliance * change * change;
-    sum.along += dt_ * compliance * change * conjugate_.direction(i);
-    ++i;
-  });
-  return sum;
-}
-
 void ContactSolver::move_all(std::span<Deformable* const> bodies, RigidStates& rigid) {
   rigid.integrate(dt_);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -293,33 +239,16 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
   StageTimer timer(profile.seconds.solve);
   prepare_rows(bodies, contacts, handles, rigid);
   support.reapply(rigid);
-  const auto state = [&](auto visit) { visit_state(contacts, handles, support, rigid, visit); };
-  conjugate_.begin();
-  // Friction may make the conjugate directions go round in circles; plain sweeps then settle what they left.
-  constexpr int kPatience = 20;  // sweeps without progress
-  double best = std::numeric_limits<double>::infinity();
-  int best_at = 0;
   for (int i = 0; i < settings.max_iterations; ++i) {
-    conjugate_.remember(state);
     double change = sweep_contacts(contacts, rigid);
     // A handle is to be exact, so it is asked for ten times more than a contact.
     change = std::max(change, 10.0 * handle_solver_.sweep(handles, touched_, rigid));
     change = std::max(change, support.sweep(rigid, dt_));
     ++profile.counts.iterations;
     profile.counts.residual = change;
-    if (change < settings.tolerance || i + 1 == settings.max_iterations) {
+    if (change < settings.tolerance) {
       break;
     }
-    if (change < 0.9 * best) {
-      best = change;
-      best_at = i;
-    }
-    if (i - best_at > kPatience || contacts.empty()) {
-      continue;  // handles alone are many stiff springs in a row: plain sweeps hold them better
-    }
-    conjugate_.compare(state);
-    const SweepChange swept = measure_change(contacts, handles, support);
-    conjugate_.extrapolate(state, swept.size, swept.along);
   }
   move_all(bodies, rigid);
 }

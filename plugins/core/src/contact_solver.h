@@ -2,7 +2,6 @@
 
 #include <span>
 
-#include "conjugate_sweeps.h"
 #include "contact.h"
 #include "handle_solver.h"
 #include "softpoint/core/deformable_system.h"
@@ -51,22 +50,11 @@ class ContactSolver {
   Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> TouchedPoints::*field) const;
   void add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid);
   void move_all(std::span<Deformable* const> bodies, RigidStates& rigid);
-  // Calls visit(span of doubles) for every number that sweeps change linearly.
-  template <class Visit>
-  void visit_state(std::vector<Contact>& contacts, std::vector<Handle>& handles, SupportContacts& support,
-                   RigidStates& rigid, Visit visit);
-  struct SweepChange {
-    double size = 0;   // squared
-    double along = 0;  // product with the direction of ConjugateSweeps
-  };
-  SweepChange measure_change(const std::vector<Contact>& contacts, const std::vector<Handle>& handles,
-                             const SupportContacts& support) const;
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
 
   double dt_ = 0;
   std::vector<TouchedPoints> touched_;
   std::vector<Row> rows_;
-  ConjugateSweeps conjugate_;
   HandleSolver handle_solver_;
 };
 

@@ -119,7 +119,7 @@ Pose JointTree::placed(const Link& link, const Pose& parent, const std::array<do
 Pose JointTree::end(int body, std::span<const double> velocity, double dt) const {
   const Link& link = links_[at(body)];
   if (body == 0) {
-    return {bullet_turn({velocity[0], velocity[1], velocity[2]}, dt) * link.start.rotation,
+    return {bullet_turn_quaternion({velocity[0], velocity[1], velocity[2]}, dt) * link.start.rotation,
             link.start.origin + dt * Vec3(velocity[3], velocity[4], velocity[5])};
   }
   const Pose parent = end(link.parent, velocity, dt);

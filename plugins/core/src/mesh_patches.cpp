@@ -100,7 +100,7 @@ const ColliderShape& MeshPatches::get(int body, const btCollisionObject& object,
   collect.facets = &patch.facets;
   collect.region = entry.region;
   shape.processAllTriangles(&collect, to_bullet(entry.region.low), to_bullet(entry.region.high));
-  align_facets(patch.facets, work_);
+  sheets_.align(patch.facets);
   add_facet_features(patch, work_);
   return patch;
 }

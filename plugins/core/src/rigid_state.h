@@ -3,7 +3,6 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 
-#include <span>
 #include <vector>
 
 #include "articulated_body.h"
@@ -56,21 +55,6 @@ class RigidStates {
   // d(velocity of object a at arm_a) / d(impulse on object b at arm_b), 1/kg. Zero between objects that are
   // not joined.
   Mat3 compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b) const;
-  // Calls visit(span of doubles) for everything that pushes change linearly.
-  template <class Visit>
-  void visit_state(Visit visit) {
-    for (RigidState& state : states_) {
-      if (state.movable()) {
-        visit(std::span<double>(state.velocity.data(), 3));
-        visit(std::span<double>(state.angular_velocity.data(), 3));
-      }
-    }
-    for (Articulated& articulated : articulated_) {
-      if (articulated.in_use) {
-        articulated.body.visit_state(visit);
-      }
-    }
-  }
   // Whether pushes on one change the velocities of the other.
   bool joined(int a, int b) const;
   // All velocities back to the free ones.

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <array>
-#include <vector>
-
 #include "collider_shape.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -24,29 +21,7 @@ struct FeatureWorkspace {
   std::vector<std::array<int, 2>> ends;
   std::vector<char> sharp;
   std::vector<Bounds> boxes;
-
-  // Of align_facets().
-  struct Border {
-    std::array<double, 6> ends;  // the lesser point first
-    int facet;
-    bool forward;
-  };
-  struct Neighbours {
-    struct Link {
-      int facet;
-      bool flipped;
-    };
-    std::array<Link, 3> links;
-    int count = 0;
-  };
-  std::vector<Border> borders;
-  std::vector<Neighbours> neighbours;
-  std::vector<signed char> turn;  // 1 as it is, -1 to be turned
-  std::vector<std::size_t> sheet;
 };
-// Turns facets so that those of one sheet have their fronts on one side: the side that more of them have
-// there.
-void align_facets(std::vector<ShapeFacet>& facets, FeatureWorkspace& work);
 // Those of the facets: edges between faces that meet at one degree or more, and rims.
 void add_facet_features(ColliderShape& shape, FeatureWorkspace& work);
 // Facets of a convex polyhedron from its points.

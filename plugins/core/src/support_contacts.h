@@ -3,7 +3,6 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 
-#include <span>
 #include <vector>
 
 #include "rigid_state.h"
@@ -24,23 +23,6 @@ class SupportContacts {
   void reapply(RigidStates& rigid) const;
   // One Gauss-Seidel sweep; returns the largest change of a contact point over the step (m).
   double sweep(RigidStates& rigid, double dt);
-  // Calls visit(span of doubles) for every impulse.
-  template <class Visit>
-  void visit_state(Visit visit) {
-    for (Row& row : rows_) {
-      visit(std::span<double>(&row.impulse, 1));
-      visit(std::span<double>(row.friction_impulse));
-    }
-  }
-  // Calls visit(change of velocity per impulse, 1/kg) for each of these numbers in the same order.
-  template <class Visit>
-  void visit_compliance(Visit visit) const {
-    for (const Row& row : rows_) {
-      visit(1.0 / row.gain);
-      visit(1.0 / row.tangent_gain[0]);
-      visit(1.0 / row.tangent_gain[1]);
-    }
-  }
   // Add the impulses found here to Bullet's, which warm-start its next step.
   void write_back();
 
