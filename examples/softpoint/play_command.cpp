@@ -12,8 +12,8 @@
 
 #include "command.h"
 #include "metrics_recorder.h"
+#include "picture_output.h"
 #include "player.h"
-#include "player_pictures.h"
 #include "scene_reader.h"
 #include "sibling.h"
 #include "softpoint/core/atomic_file.h"
@@ -90,15 +90,19 @@ int run(const Options& options, const std::vector<std::string>& arguments) {
   }
   Player player(std::move(scene));
 
-  std::optional<PictureTaker> pictures;
+  std::unique_ptr<PictureOutput> pictures;
   if (!options.no_pictures || options.video) {
     const auto folder = options.out.empty()
                             ? std::filesystem::path("out") / std::filesystem::path(options.scene).stem()
                             : std::filesystem::path(options.out);
-    pictures.emplace(player,
-                     PictureOptions{folder, player.scene().pictures.width, player.scene().pictures.height,
-                                    !options.no_pictures, options.video});
-    pictures->take();
+    pictures =
+        make_picture_output(player, {folder, player.scene().pictures.width, player.scene().pictures.height,
+                                     !options.no_pictures, options.video});
+    if (pictures) {
+      pictures->take();
+    } else {
+      fmt::print(stderr, "no pictures, no film: this program was built without the picture plugin\n");
+    }
   }
   std::optional<MetricsRecorder> metrics;
   if (!options.metrics.empty()) {

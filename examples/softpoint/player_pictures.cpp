@@ -45,6 +45,10 @@ void make_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::unique_ptr<PictureOutput> make_picture_output(Player& player, const PictureOptions& options) {
+  return std::make_unique<PictureTaker>(player, options);
+}
+
 PictureTaker::PictureTaker(Player& player, const PictureOptions& options)
     : player_(player),
       options_(options),

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "picture_output.h"
 #include "player.h"
 #include "softpoint/picture/contact_sheet.h"
 #include "softpoint/picture/renderer.h"
@@ -15,28 +15,16 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
-struct PictureOptions {
-  std::filesystem::path folder;  // made if it is not there
-  int width = 0, height = 0;     // pixels
-  bool pictures = true;
-  bool video = false;
-};
-
-// Draws a scene in play: pictures at the frames it asks for, a contact sheet of them, and a film. Making
-// one takes an OpenGL context.
-class PictureTaker {
+// Draws a scene in play: pictures at the frames it asks for, a contact sheet of them, and a film.
+class PictureTaker final : public PictureOutput {
  public:
   // Throws Error for a folder that cannot be written, or where no video can be made.
   PictureTaker(Player& player, const PictureOptions& options);
 
-  // Once for the state at the start and after each step.
-  void take();
-  // Completes sheet and film.
-  void finish();
-
-  const std::filesystem::path& folder() const { return options_.folder; }
-  // File names in the folder, in order.
-  const std::vector<std::string>& files() const { return files_; }
+  void take() override;
+  void finish() override;
+  const std::filesystem::path& folder() const override { return options_.folder; }
+  const std::vector<std::string>& files() const override { return files_; }
 
  private:
   bool picture_due() const;

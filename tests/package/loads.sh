@@ -1,5 +1,5 @@
-# A program with elastic bodies alone loads neither a collision library nor an OpenGL one; one with pictures does
-# load OSMesa (so the look would find it).
+# A program with elastic bodies alone loads neither a collision library nor an OpenGL one; one with pictures names
+# the backends that were built (so the look would find them), no other, and no libGL.
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 heavy='lib(fcl|ccd|octomap|OSMesa|EGL|GL|GLX|GLdispatch|OpenGL|glapi|LLVM|png|SDL2)[-.0-9]*so'
 for precision in "${precisions[@]}"; do
@@ -18,7 +18,17 @@ for precision in "${precisions[@]}"; do
       if [ "$linkage" = shared ] && ! grep -q libsoftpoint-core <<<"$loaded"; then fail "$program does not load our library"; fi
     done
     has picture "${plugins[@]}" || continue
-    loaded=$(ldd "$apps/bin/picture$(suffix_of "$precision")-$linkage")
-    grep -qE "$heavy" <<<"$loaded" || fail "the look finds nothing"
+    drawing=$apps/bin/picture$(suffix_of "$precision")-$linkage
+    [ "$linkage" = static ] || drawing=$libdir/libsoftpoint-picture$(suffix_of "$precision").so
+    needed=$(readelf -d "$drawing" | grep NEEDED)
+    for backend in osmesa:libOSMesa egl:libEGL; do
+      read -ra built <<<"$PACKAGE_BACKENDS"
+      if has "${backend%:*}" "${built[@]}"; then
+        grep -q "${backend#*:}\.so" <<<"$needed" || fail "$drawing does not need ${backend#*:}"
+      elif grep -q "${backend#*:}\.so" <<<"$needed"; then
+        fail "$drawing needs ${backend#*:}"
+      fi
+    done
+    if grep -E 'lib(GL|GLX|OpenGL)\.so' <<<"$needed"; then fail "$drawing names libGL"; fi
   done
 done

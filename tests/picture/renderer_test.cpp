@@ -223,13 +223,6 @@ TEST(Renderer, RefusesSettingsByName) {
   EXPECT_EQ(refused([](auto&) {}), "");
 }
 
-TEST(Renderer, RefusesUnknownBackendsAndNamesTheKnownOnes) {
-  const std::string message = refusal([] { Renderer renderer(plain_settings(), "vulkan"); });
-  EXPECT_TRUE(mentions(message, "backend = \"vulkan\"")) << message;
-  EXPECT_TRUE(mentions(message, "osmesa")) << message;
-  EXPECT_EQ(Renderer(plain_settings(), "osmesa").backend(), "osmesa");
-}
-
 TEST(Renderer, RefusesCallsOutOfTurn) {
   Renderer renderer(plain_settings());
   const int ball = add(renderer, unit_sphere(16, 8));

@@ -37,8 +37,7 @@ void check(const RenderSettings& settings) {
   check(settings.background, "background");
 }
 
-Renderer::Renderer(const RenderSettings& settings, std::string_view backend)
-    : impl_(std::make_unique<Impl>(settings, backend)) {}
+Renderer::Renderer(const RenderSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}
 
 Renderer::~Renderer() = default;
 
@@ -170,6 +169,6 @@ const RenderSettings& Renderer::settings() const { return impl_->settings; }
 const Camera& Renderer::camera() const { return impl_->camera; }
 const RenderStats& Renderer::stats() const { return impl_->last_stats; }
 const std::string& Renderer::driver() const { return impl_->driver; }
-std::string_view Renderer::backend() const { return impl_->current.context->backend(); }
+Backend Renderer::backend() const { return impl_->context->backend(); }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture

@@ -29,10 +29,10 @@ std::string describe_driver(const GlApi& gl) {
 
 }  // namespace
 
-Renderer::Impl::Impl(const RenderSettings& render_settings, std::string_view backend)
+Renderer::Impl::Impl(const RenderSettings& render_settings)
     : settings((check(render_settings), render_settings)),
-      current(backend),
-      gl(*current.context),
+      context(make_gl_context(settings.backend)),
+      gl(*context),
       driver(describe_driver(gl)),
       framebuffer(gl, settings.width, settings.height, settings.samples),
       shadow_map(gl, settings.shadow_resolution),
@@ -49,12 +49,13 @@ Renderer::Impl::Impl(const RenderSettings& render_settings, std::string_view bac
   gl.BindBuffer(GL_UNIFORM_BUFFER, block_buffer_);
   gl.BufferData(GL_UNIFORM_BUFFER, sizeof(FrameBlock), nullptr, GL_STREAM_DRAW);
   gl.GenVertexArrays(1, &empty_array_);
+  context->release();
 }
 
 Renderer::Impl::~Impl() {
   // A context that cannot be made current leaves nothing we could free one by one; it takes all with it.
   try {
-    current.context->make_current();
+    context->make_current();
   } catch (const Error&) {
   }
   gl.DeleteBuffers(1, &block_buffer_);
@@ -224,7 +225,7 @@ void Renderer::Impl::draw_scene() {
 
 void Renderer::Impl::finish(Image& image) {
   require_frame("finish");
-  current.context->make_current();
+  const CurrentContext current(*context);
   const Depths depths = choose_depths();
   draws_.sort();
   instances_.clear();

@@ -21,17 +21,9 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 // Throws Error naming the field.
 void check(const RenderSettings& settings);
 
-// A context made current before the members that follow it are built, and before they are torn down.
-struct CurrentContext {
-  explicit CurrentContext(std::string_view backend) : context(make_gl_context(backend)) {
-    context->make_current();
-  }
-  std::unique_ptr<GlContext> context;
-};
-
 class __attribute__((visibility("hidden"))) Renderer::Impl {
  public:
-  Impl(const RenderSettings& render_settings, std::string_view backend);
+  explicit Impl(const RenderSettings& render_settings);
   ~Impl();
 
   struct Text {
@@ -47,7 +39,7 @@ class __attribute__((visibility("hidden"))) Renderer::Impl {
   void finish(Image& image);
 
   RenderSettings settings;
-  CurrentContext current;
+  std::unique_ptr<GlContext> context;  // current while what follows is built and torn down
   GlApi gl;
   std::string driver;
   Framebuffer framebuffer;

@@ -1,5 +1,7 @@
 #include "gl/api.h"
 
+#include <string>
+
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
@@ -7,9 +9,7 @@ namespace {
 
 GlContext::Function find(const GlContext& context, const char* name) {
   const GlContext::Function function = context.function(name);
-  if (!function) {
-    throw Error("renderer backend = \"" + std::string(context.backend()) + "\": the driver has no " + name);
-  }
+  if (!function) throw Error("the driver has no " + std::string(name));
   return function;
 }
 

@@ -1,5 +1,7 @@
 #include "gl/osmesa_context.h"
 
+#if SOFTPOINT_PICTURE_OSMESA
+
 #include <GL/osmesa.h>
 
 #include <array>
@@ -25,19 +27,23 @@ class OsmesaContext final : public GlContext {
                               3,
                               0};
     context_ = OSMesaCreateContextAttribs(attributes, nullptr);
-    if (!context_) throw Error("renderer backend = \"osmesa\": this Mesa gives no OpenGL 3.3 core context");
+    if (!context_) throw Error("this Mesa gives no OpenGL 3.3 core context");
   }
 
   ~OsmesaContext() override { OSMesaDestroyContext(context_); }
 
   void make_current() override {
     if (!OSMesaMakeCurrent(context_, buffer_.data(), GL_UNSIGNED_BYTE, kBufferSide, kBufferSide)) {
-      throw Error("renderer backend = \"osmesa\": the context cannot be made current");
+      throw Error("the context cannot be made current");
     }
   }
 
+  void release() override {
+    if (OSMesaGetCurrentContext() == context_) OSMesaMakeCurrent(nullptr, nullptr, 0, 0, 0);
+  }
+
   Function function(const char* name) const override { return OSMesaGetProcAddress(name); }
-  std::string_view backend() const override { return "osmesa"; }
+  Backend backend() const override { return Backend::kOsmesa; }
 
  private:
   // OSMesa wants a window-like buffer of its own; nothing is ever drawn into it.
@@ -52,3 +58,5 @@ class OsmesaContext final : public GlContext {
 std::unique_ptr<GlContext> make_osmesa_context() { return std::make_unique<OsmesaContext>(); }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::picture
+
+#endif

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "softpoint/core/vec.h"
+#include "softpoint/picture/backend.h"
 #include "softpoint/picture/camera.h"
 #include "softpoint/picture/image.h"
 #include "softpoint/picture/material.h"
@@ -15,6 +16,8 @@ namespace softpoint::inline SOFTPOINT_ABI::picture {
 
 // What all frames of a renderer have in common.
 struct RenderSettings {
+  Backend backend = Backend::kAuto;  // what lends the OpenGL context
+
   int width = 1280;  // pixels, 16 to 8192
   int height = 720;  // pixels, 16 to 8192
   int samples = 4;   // per pixel: 1 or 4
@@ -53,15 +56,17 @@ struct RenderStats {
 
 // Draws off screen, frame by frame: begin(), any draw_...(), finish(). All coordinates are metres in the
 // world frame. Nothing allocates once frames of the same size repeat. One Renderer belongs to one thread at a
-// time; several may live side by side. finish(), constructor and destructor leave the renderer's own OpenGL
-// context current on the calling thread, so an application with another one makes that current again.
+// time; several may live side by side, also of different backends. finish(), constructor and destructor leave
+// no OpenGL context current on the calling thread: an application with one of its own makes that current
+// again.
 //
 // Errors: wrong settings, cameras, materials, styles, indices and calls out of turn throw Error; what cannot
 // be drawn for a NaN, infinity or place beyond kFarthest is left out and counted.
 class SOFTPOINT_API Renderer {
  public:
-  // Makes an OpenGL context of its own.
-  explicit Renderer(const RenderSettings& settings = {}, std::string_view backend = "osmesa");
+  // Makes an OpenGL context of its own. Throws Error also when no backend gives one, naming those tried and
+  // the reason of each.
+  explicit Renderer(const RenderSettings& settings = {});
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
   ~Renderer();
@@ -108,8 +113,8 @@ class SOFTPOINT_API Renderer {
   const RenderStats& stats() const;        // of the last finished frame
   // The driver's own words, e.g. to key golden pictures: "llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6".
   const std::string& driver() const;
-  // What lends the OpenGL context.
-  std::string_view backend() const;
+  // What lends the OpenGL context; never kAuto.
+  Backend backend() const;
 
  private:
   class Impl;
