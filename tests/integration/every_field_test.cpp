@@ -72,9 +72,6 @@ std::vector<json> scenes() {
   const char* const turns[] = {R"({"axis": [0, 1, 0], "angle": 0.3})", R"({"euler": [0.1, 0.2, 0.3]})",
                                R"({"quaternion": [0, 0, 0.1, 1]})"};
   int k = 0;
-  // A mesh never moves and is no part of a compound.
-  d["rigid_bodies"].push_back(
-      json::parse(R"({"shape": "mesh", "file": "gem.obj", "scale": 1, "position": [5, 0, 0]})"));
   json compound = {{"shape", "compound"}, {"mass", 2}, {"position", {0, 1.2, 0}}};
   for (const char* shape : shapes) {
     json body = json::parse(shape);
@@ -93,6 +90,9 @@ std::vector<json> scenes() {
   }
   d = scene();
   d["rigid_bodies"].push_back(compound);
+  // A mesh never moves and is no part of a compound.
+  d["rigid_bodies"].push_back(json::parse(
+      R"({"name": "ground", "shape": "mesh", "file": "gem.obj", "scale": 1, "position": [5, 0, 0]})"));
   all.push_back(d);
   d = scene();
   d["rigid_bodies"][0].update(json::parse(R"({"normal": [0, 1, 0], "offset": 0})"));

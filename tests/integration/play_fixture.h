@@ -8,10 +8,9 @@
 #include <iterator>
 #include <string>
 
-#include "softpoint/core/config.h"
 #include "support/temporary_folder.h"
 
-namespace softpoint::inline SOFTPOINT_ABI::scene {
+namespace softpoint::scene {
 
 // Runs the program in a folder of the test's own, with what it prints in the files stdout and stderr there.
 class Play : public ::testing::Test {
@@ -38,4 +37,4 @@ class Play : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-}  // namespace softpoint::inline SOFTPOINT_ABI::scene
+}  // namespace softpoint::scene
