@@ -8,9 +8,10 @@
 #include <iterator>
 #include <string>
 
+#include "softpoint/core/config.h"
 #include "support/temporary_folder.h"
 
-namespace softpoint::scene {
+namespace softpoint::inline SOFTPOINT_ABI::scene {
 
 // Runs the program in a folder of the test's own, with what it prints in the files stdout and stderr there.
 class Play : public ::testing::Test {
@@ -37,4 +38,4 @@ class Play : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-}  // namespace softpoint::scene
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene
