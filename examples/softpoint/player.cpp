@@ -65,6 +65,9 @@ void Player::build_deformables() {
     Deformable& body = *deformables_.back().body;
     body.setFriction(static_cast<btScalar>(spec.friction));
     body.setRestitution(static_cast<btScalar>(spec.restitution));
+    if (!spec.may_sleep) {
+      body.setActivationState(DISABLE_DEACTIVATION);
+    }
     deformable_present_.push_back(true);
     switch_states_.emplace_back();
     system_->add(body);
@@ -157,12 +160,12 @@ void Player::apply(const ToggleEvent& event) {
       break;
     case SwitchKind::kGravity:
       flip(gravity_on_);
-      world_->setGravity(gravity_on_ ? to_bullet(scene_.world.gravity) : btVector3(0, 0, 0));
       for (const auto& actor : rigid_) {
         if (actor->mass() > 0.0) {
-          actor->body().activate(true);
+          actor->body().activate(true);  // first: Bullet gives new gravity only to what is awake
         }
       }
+      world_->setGravity(gravity_on_ ? to_bullet(scene_.world.gravity) : btVector3(0, 0, 0));
       break;
     case SwitchKind::kContacts:
       flip(overlays_.contacts);

@@ -93,6 +93,7 @@ struct DeformableSpec {
   Placement placement;
   Motion motion;
   double friction = 0.5, restitution = 0;
+  bool may_sleep = true;
   std::optional<Rgb> color;
   int vertex_count = 0;
   std::vector<std::string> switches;

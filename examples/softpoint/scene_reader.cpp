@@ -81,6 +81,8 @@ DeformableSpec read_deformable(ObjectReader& item, const DeformablePlugins& plug
       {.low = 0.0, .high = 100.0, .fallback = 0.5, .doc = "coefficient; the product of both bodies' counts"});
   body.restitution = item.number(
       "restitution", {.low = 0.0, .high = 1.0, .fallback = 0.0, .doc = "the product of both bodies' counts"});
+  body.may_sleep =
+      item.boolean("may_sleep", {.fallback = true, .doc = "it may be stopped with all it touches when slow"});
   body.color = read_color(item);
   std::vector<Variant> variants;
   for (const DeformablePlugin& plugin : plugins) {

@@ -39,6 +39,7 @@ struct Slope {
     system = std::make_unique<DeformableSystem>(*world);
     floor->setFriction(1);
     body.setFriction(btScalar(friction));
+    body.setActivationState(DISABLE_DEACTIVATION);  // it gathers speed slowly
     system->add(body);
     down = turn(angle, ground).col(0);
   }

@@ -76,6 +76,25 @@ TEST(Step, TakesNothingFromTheHeapAtRest) {
   EXPECT_EQ(heap_calls_of(world, 120), 0);
 }
 
+TEST(Step, TakesNothingFromTheHeapAsleepAndAtWaking) {
+  TestWorld world;
+  world.add_floor();
+  DeformableSystem system(*world);
+  ElasticBody body(model_of(Shape::cube, 1e6), Vec3(2, 0.202, 0));
+  system.add(body);
+  world.add_box(Vec3(0.1, 0.1, 0.1), 5, Vec3(2, 0.51, 0)).forceActivationState(ACTIVE_TAG);
+  const HandleId handle = system.grab(body, 0, body.points()[0], 1.0);
+  world.step(600);
+  ASSERT_TRUE(body.asleep());
+  EXPECT_EQ(heap_calls_of(world, 120), 0);
+  for (const bool counting : {false, true}) {
+    system.move(handle, body.points()[0] + Vec3(counting ? 0.01 : 0.02, 0, 0));
+    const long long calls = heap_calls_of(world, 600);  // waking, coming to rest, falling asleep
+    ASSERT_TRUE(body.asleep());
+    EXPECT_EQ(counting ? calls : 0, 0);
+  }
+}
+
 TEST(Step, TakesNothingFromTheHeapInMotion) {
   TestWorld world, twin;
   for (TestWorld* w : {&world, &twin}) {

@@ -253,11 +253,17 @@ void Deformable::apply_impulse(int face, const Vec3& weights, const Vec3& impuls
     impulses_[static_cast<std::size_t>(t[k])] += weights[static_cast<Eigen::Index>(k)] * impulse;
   }
   impulses_queued_ = true;
+  if (!impulse.isZero(0)) {
+    wake();
+  }
 }
 
 void Deformable::set_acceleration(const Vec3& acceleration) {
   check_range("set_acceleration: acceleration", acceleration, -kMaxAcceleration, kMaxAcceleration);
-  acceleration_ = acceleration;
+  if (acceleration_ != acceleration) {
+    acceleration_ = acceleration;
+    wake();
+  }
 }
 
 Vec3 Deformable::center_of_mass() const {

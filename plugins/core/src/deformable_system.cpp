@@ -1,5 +1,7 @@
 #include "softpoint/core/deformable_system.h"
 
+#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -31,7 +33,12 @@ void check(const ContactSettings& s) {
 }
 
 DeformableSystem::Impl::Impl(btDiscreteDynamicsWorld& w, const ContactSettings& s)
-    : world(w), settings(s), tap_(w, *this), pairs_hook_(dispatcher_of(w), *this) {
+    : world(w),
+      settings(s),
+      tap_(w, *this),
+      pairs_hook_(dispatcher_of(w), *this),
+      known_gravity_(w.getGravity()),
+      gravity_each_substep_(dynamic_cast<btDeformableMultiBodyDynamicsWorld*>(&w) != nullptr) {
   world.addAction(this);
 }
 
@@ -54,6 +61,7 @@ void DeformableSystem::add(Deformable& body, int group, int mask) {
   }
   body.system_ = this;
   impl_->bodies.push_back(&body);
+  body.activate(true);
   body.mirror(1.0 / 60.0);
   impl_->world.addCollisionObject(&body, group, mask);
 }
@@ -65,18 +73,24 @@ void DeformableSystem::remove(Deformable& body) {
   impl_->world.removeCollisionObject(&body);
   impl_->forget(body);
   body.system_ = nullptr;
+  body.asleep_ = false;
 }
 
 void DeformableSystem::Impl::forget(const Deformable& body) {
   const int gone = index_of(&body);
-  contacts_.erase_if([&](const Contact& c) { return c.body == gone || c.other_body == gone; });
+  const auto of_body = [&](const Contact& c) { return c.body == gone || c.object == &body; };
+  contacts_.erase_if(of_body);
+  std::erase_if(resting_contacts_, [&](const RestingContact& r) { return of_body(r.contact); });
   patches_.forget_body(gone);
-  std::erase_if(handles, [&](const Handle& h) {
-    if (h.body == gone) {
-      let_go(h);
-    }
-    return h.body == gone;
-  });
+  for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
+    std::erase_if(*list, [&](const Handle& h) {
+      if (h.body == gone) {
+        let_go(h);
+      }
+      return h.body == gone;
+    });
+  }
+  std::erase_if(surroundings_, [&](const Surrounding& s) { return s.body == &body; });
   std::erase_if(pairs_, [&](const Pair& p) { return p.body == gone || p.other == &body; });
   std::erase_if(contact_points, [&](const ContactPoint& p) { return p.body == &body || p.other == &body; });
   for (Contact& contact : contacts_.all()) {
@@ -84,8 +98,14 @@ void DeformableSystem::Impl::forget(const Deformable& body) {
     contact.other_body -= contact.other_body > gone;
   }
   contacts_.reindex();
-  for (Handle& h : handles) {
-    h.body -= h.body > gone;
+  for (RestingContact& resting : resting_contacts_) {
+    resting.contact.body -= resting.contact.body > gone;
+    resting.contact.other_body -= resting.contact.other_body > gone;
+  }
+  for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
+    for (Handle& h : *list) {
+      h.body -= h.body > gone;
+    }
   }
   bodies.erase(bodies.begin() + gone);
 }
@@ -109,6 +129,11 @@ btDiscreteDynamicsWorld& DeformableSystem::world() const { return impl_->world; 
 void DeformableSystem::set_settings(const ContactSettings& settings) {
   check(settings);
   impl_->settings = settings;
+  for (Deformable* body : impl_->bodies) {
+    body->wake();
+  }
 }
+
+void DeformableSystem::wake_island(Deformable& body) { impl_->wake_mates(body); }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -32,15 +32,18 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   Handle& handle(HandleId id, const char* caller);
   Handle new_handle(const char* caller, const char* target_name, const Deformable& body, int point,
                     const Vec3& target, double max_force);
+  void add_handle(Deformable& body, const Handle& handle);
   bool in_world(const btCollisionObject* object, int& index) const;
   void let_go(const Handle& held);
   void forget(const Deformable& body);
+  void wake_mates(const Deformable& body);
   double last_step() const { return last_dt_; }  // s
 
   btDiscreteDynamicsWorld& world;
   ContactSettings settings;
   std::vector<Deformable*> bodies;
   std::vector<Handle> handles;
+  std::vector<Handle> resting_handles_;  // of sleeping bodies
   HandleId next_handle = 1;
   std::vector<ContactPoint> contact_points;
   Profile profile;
@@ -72,6 +75,23 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void commit(double dt);           // new positions, guard, mirror
 
   void release_lost_anchors();
+  // Sleeping and waking (sleeping.cpp).
+  void wake_the_roused(double dt);  // those that the app, Bullet or their surroundings have roused
+  void freeze_the_disabled();       // those of DISABLE_SIMULATION
+  void put_to_sleep();              // those that Bullet put to sleep
+  void rouse(Deformable& body, double dt);
+  void rouse_mate(btCollisionObject& mate, double dt);
+  void rejoin(Deformable& body, double dt);
+  void part(Deformable& body);
+  void add_near_pairs(const Deformable& body);
+  void wake_by_meeting(int body, const btCollisionObject& other, double dt);
+  void lose_surrounding(const btCollisionObject* deformable, const btCollisionObject* other);
+  void add_pair(int body, const btCollisionObject* other);
+  bool surroundings_moved(const Deformable& body) const;
+  bool is_quiet(const Deformable& body) const;
+
+  void carry_load(Contact& contact, double scale, double dt);
+  void carry_load(Handle& held, double scale, double dt);
   void forget_impulses(int body);
   void add_pairs_ahead();
   const ColliderShape& mesh_patch(int body, int rigid, const btConcaveShape& shape, const Pose& local,
@@ -96,11 +116,28 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   std::vector<Bounds> step_bounds_;     // of each body from start to free end, with some margin
   std::vector<ContactFinder> finders_;  // one per body: each keeps bounds of its faces
   ContactTable contacts_;
+  // What sleeping bodies were left with, for the first step after waking.
+  struct RestingContact {
+    Contact contact;
+    double dt;  // s, of the substep over which its impulse acted
+  };
+  std::vector<RestingContact> resting_contacts_;
+  struct Surrounding {  // a static or kinematic object near a sleeping body, and where it was
+    const Deformable* body;
+    const btCollisionObject* object;
+    btTransform pose;
+  };
+  std::vector<Surrounding> surroundings_;
+  btVector3 known_gravity_;
   ContactSolver solver_;
   SupportContacts support_;
+  double dt_ = 0;  // s, of the substep at work
   double last_dt_ = 0;
   bool open_ = false;
   bool solved_ = false;
+  bool bullet_solved_ = false;       // in this substep, Bullet has solved the rigid bodies
+  bool pairs_added_ = false;         // in this substep, by add_near_pairs
+  const bool gravity_each_substep_;  // and as a change of velocity; other worlds: a force, once a step
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -13,7 +13,9 @@ double DeformableSystem::Impl::detect(bool first) {
     contact.seen = false;
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    finders_[b].begin_pass(static_cast<int>(b), *bodies[b], settings.margin, first);
+    if (!bodies[b]->asleep()) {
+      finders_[b].begin_pass(static_cast<int>(b), *bodies[b], settings.margin, first);
+    }
   }
   for (const PlacedShape& placed : placed_) {
     detect_on_shape(placed);

@@ -8,9 +8,11 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 
 Handle& DeformableSystem::Impl::handle(HandleId id, const char* caller) {
-  for (Handle& h : handles) {
-    if (h.id == id) {
-      return h;
+  for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
+    for (Handle& h : *list) {
+      if (h.id == id) {
+        return h;
+      }
     }
   }
   throw Error(
@@ -36,14 +38,17 @@ void DeformableSystem::Impl::let_go(const Handle& held) {
 }
 
 void DeformableSystem::Impl::release_lost_anchors() {
-  std::erase_if(handles, [&](Handle& held) {
-    if (!held.anchored() || in_world(held.object, held.object_index)) {
-      return false;
-    }
-    let_go(held);
-    ++profile.totals.anchors_released;
-    return true;
-  });
+  for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
+    std::erase_if(*list, [&](Handle& held) {
+      if (!held.anchored() || in_world(held.object, held.object_index)) {
+        return false;
+      }
+      let_go(held);
+      bodies[static_cast<std::size_t>(held.body)]->activate(true);  // what it hung on is gone
+      ++profile.totals.anchors_released;
+      return true;
+    });
+  }
 }
 
 Handle DeformableSystem::Impl::new_handle(const char* caller, const char* target_name, const Deformable& body,
@@ -67,9 +72,15 @@ Handle DeformableSystem::Impl::new_handle(const char* caller, const char* target
   return handle;
 }
 
+void DeformableSystem::Impl::add_handle(Deformable& body, const Handle& handle) {
+  body.wake();
+  (body.asleep() ? resting_handles_ : handles).push_back(handle);
+}
+
 HandleId DeformableSystem::grab(Deformable& body, int point, const Vec3& target, double max_force) {
-  impl_->handles.push_back(impl_->new_handle("grab", "target", body, point, target, max_force));
-  return impl_->handles.back().id;
+  const Handle handle = impl_->new_handle("grab", "target", body, point, target, max_force);
+  impl_->add_handle(body, handle);
+  return handle.id;
 }
 
 HandleId DeformableSystem::attach(Deformable& body, int point, const btCollisionObject& to, const Vec3& local,
@@ -86,7 +97,7 @@ HandleId DeformableSystem::attach(Deformable& body, int point, const btCollision
   handle.object = &to;
   handle.object_index = index;
   handle.collide = collide;
-  impl_->handles.push_back(handle);
+  impl_->add_handle(body, handle);
   if (!collide) {
     body.setIgnoreCollisionCheck(&to, true);
   }
@@ -106,17 +117,26 @@ HandleId DeformableSystem::attach(Deformable& body, int point, const btCollision
 
 void DeformableSystem::move(HandleId id, const Vec3& target) {
   check_range("move: target", target, -kMaxPosition, kMaxPosition);
-  impl_->handle(id, "move").target = target;
+  Handle& handle = impl_->handle(id, "move");
+  if (handle.target != target) {
+    handle.target = target;
+    impl_->bodies[static_cast<std::size_t>(handle.body)]->wake();
+  }
 }
 
 void DeformableSystem::release(HandleId id) {
-  impl_->let_go(impl_->handle(id, "release"));
+  const Handle& handle = impl_->handle(id, "release");
+  impl_->let_go(handle);
+  impl_->bodies[static_cast<std::size_t>(handle.body)]->wake();
   std::erase_if(impl_->handles, [&](const Handle& h) { return h.id == id; });
+  std::erase_if(impl_->resting_handles_, [&](const Handle& h) { return h.id == id; });
 }
 
 bool DeformableSystem::holds(HandleId id) const {
-  return std::any_of(impl_->handles.begin(), impl_->handles.end(),
-                     [&](const Handle& h) { return h.id == id; });
+  const auto has = [&](const std::vector<Handle>& list) {
+    return std::any_of(list.begin(), list.end(), [&](const Handle& h) { return h.id == id; });
+  };
+  return has(impl_->handles) || has(impl_->resting_handles_);
 }
 
 Vec3 DeformableSystem::handle_force(HandleId id) const {

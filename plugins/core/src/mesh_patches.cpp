@@ -48,6 +48,14 @@ void MeshPatches::begin_substep() {
   std::erase_if(entries_, [&](const Entry& entry) { return substep_ - entry.last_used > kMemory; });
 }
 
+void MeshPatches::keep(int body) {
+  for (Entry& entry : entries_) {
+    if (entry.body == body) {
+      entry.last_used = substep_;
+    }
+  }
+}
+
 void MeshPatches::forget(const btCollisionShape& shape) {
   std::erase_if(entries_, [&](const Entry& entry) { return entry.shape == &shape; });
 }

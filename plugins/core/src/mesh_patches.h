@@ -23,6 +23,8 @@ class MeshPatches {
   // Forget what a shape looked like.
   void forget(const btCollisionShape& shape);
   void forget_body(int body);
+  // Those of a body that sleeps are in use.
+  void keep(int body);
 
  private:
   struct Entry {

@@ -82,6 +82,10 @@ void DeformableSystem::Impl::add_pairs_ahead() {
                                                        object)) {
         return true;
       }
+      const int second = impl->index_of(object);
+      if (second >= 0 && impl->bodies[static_cast<std::size_t>(second)]->asleep()) {
+        return true;  // wakes in the next step, when their bounds overlap
+      }
       for (const Pair& pair : impl->pairs_) {
         if ((pair.body == body && pair.other == object) ||
             (pair.other == impl->bodies[static_cast<std::size_t>(body)] &&
@@ -99,6 +103,9 @@ void DeformableSystem::Impl::add_pairs_ahead() {
   step_bounds_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Deformable& body = *bodies[b];
+    if (body.asleep()) {
+      continue;
+    }
     Bounds end = Bounds::of(body.end_positions_.front());
     for (const Vec3& p : body.end_positions_) {
       end.include(p);
@@ -131,6 +138,11 @@ void DeformableSystem::Impl::add_pairs_ahead() {
 void DeformableSystem::Impl::place_colliders(double dt) {
   shapes_.begin_substep();
   patches_.begin_substep();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b]->asleep()) {
+      patches_.keep(static_cast<int>(b));
+    }
+  }
   placed_.clear();
   skin_pairs_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
@@ -191,6 +203,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     profile.counts.without_pairs +=
+        !bodies[b]->asleep() &&
         std::none_of(placed_.begin(), placed_.end(),
                      [&](const PlacedShape& p) { return p.body == int(b); }) &&
         std::none_of(skin_pairs_.begin(), skin_pairs_.end(),

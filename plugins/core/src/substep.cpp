@@ -16,11 +16,26 @@ bool DeformableSystem::Impl::owns(const btCollisionObject* object) const {
 void DeformableSystem::Impl::pair_found(const btCollisionObject* deformable, const btCollisionObject* other,
                                         double dt) {
   open_substep(dt, false);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies[b] == deformable) {
-      pairs_.push_back({static_cast<int>(b), other, false});
-    }
+  const int first = index_of(deformable), second = index_of(other);
+  wake_by_meeting(first, *other, dt);
+  if (second >= 0) {
+    wake_by_meeting(second, *deformable, dt);
   }
+  add_pair(first, other);
+}
+
+void DeformableSystem::Impl::add_pair(int body, const btCollisionObject* other) {
+  const int second = index_of(other);
+  if (bodies[static_cast<std::size_t>(body)]->asleep() ||
+      (second >= 0 && bodies[static_cast<std::size_t>(second)]->asleep())) {
+    return;
+  }
+  // Only a body that wakes in the middle of a dispatch is told of a pair twice.
+  if (pairs_added_ && std::any_of(pairs_.begin(), pairs_.end(),
+                                  [&](const Pair& p) { return p.body == body && p.other == other; })) {
+    return;
+  }
+  pairs_.push_back({body, other, false});
 }
 
 void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) {
@@ -31,6 +46,7 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
   std::erase_if(pairs_,
                 [&](const Pair& p) { return joins(bodies[static_cast<std::size_t>(p.body)], p.other); });
   std::erase_if(contact_points, [&](const ContactPoint& p) { return joins(p.body, p.other); });
+  lose_surrounding(deformable, other);
   if (std::any_of(contacts_.all().begin(), contacts_.all().end(), gone)) {
     contacts_.erase_if(gone);
   }
@@ -40,8 +56,15 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
 void DeformableSystem::Impl::before_solving() { open_substep(world.getSolverInfo().m_timeStep, false); }
 
 void DeformableSystem::Impl::all_solved(double dt) {
+  bullet_solved_ = true;
   open_substep(dt, true);
   rigid_.take_back();
+  wake_the_roused(dt);
+  put_to_sleep();
+  if (profile.counts.sleeping == static_cast<int>(bodies.size())) {
+    solved_ = true;
+    return;
+  }
   predict(dt);
   place_colliders(dt);
   solve_contacts(dt);
@@ -55,9 +78,11 @@ void DeformableSystem::Impl::updateAction(btCollisionWorld*, btScalar step) {
     ++profile.totals.late_substeps;
     all_solved(dt);
   }
-  commit(dt);
+  if (profile.counts.sleeping < static_cast<int>(bodies.size())) {
+    commit(dt);
+  }
   last_dt_ = dt;
-  open_ = solved_ = false;
+  open_ = solved_ = bullet_solved_ = pairs_added_ = false;
   ++profile.totals.substeps;
 }
 
@@ -66,47 +91,60 @@ void DeformableSystem::Impl::open_substep(double dt, bool solved) {
     return;
   }
   open_ = true;
+  dt_ = dt;
   profile.seconds = {};
   profile.counts = {};
   pairs_.clear();
   rigid_.clear();
   release_lost_anchors();
+  freeze_the_disabled();
   // Bullet is about to solve the rigid bodies: let it see the load they carried in the last substep, so
   // that a pile under a deformable answers it now. What changes is settled after Bullet.
   const double scale = last_dt_ > 0.0 ? dt / last_dt_ : 0.0;
   for (Contact& contact : contacts_.all()) {
-    contact.impulse *= contact.faded ? 0.5 * scale : scale;
-    contact.seen = contact.met = contact.faded = false;
-    const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
-    contact.arm = -from_bullet(contact.object->getWorldTransform().getOrigin());
-    for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
-      contact.arm += contact.weights[k] * body.points()[static_cast<std::size_t>(contact.points[k])];
-    }
-    contact.rigid = rigid_.find_or_add(contact.object, dt);
-    rigid_.push(contact.rigid, -contact.impulse, contact.arm);
+    carry_load(contact, scale, dt);
   }
   for (Handle& held : handles) {
-    held.impulse *= scale;
-    if (held.anchored()) {
-      held.arm = bodies[static_cast<std::size_t>(held.body)]->points()[static_cast<std::size_t>(held.point)] -
-                 from_bullet(held.object->getWorldTransform().getOrigin());
-      held.rigid = rigid_.find_or_add(held.object, dt);
-      rigid_.push(held.rigid, -held.impulse, held.arm);
-    }
+    carry_load(held, scale, dt);
   }
   rigid_.load(dt, solved);
   rigid_.clear();
+  wake_the_roused(dt);
+}
+
+void DeformableSystem::Impl::carry_load(Contact& contact, double scale, double dt) {
+  contact.impulse *= contact.faded ? 0.5 * scale : scale;
+  contact.seen = contact.met = contact.faded = false;
+  const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
+  contact.arm = -from_bullet(contact.object->getWorldTransform().getOrigin());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(contact.count); ++k) {
+    contact.arm += contact.weights[k] * body.points()[static_cast<std::size_t>(contact.points[k])];
+  }
+  contact.rigid = rigid_.find_or_add(contact.object, dt);
+  rigid_.push(contact.rigid, -contact.impulse, contact.arm);
+}
+
+void DeformableSystem::Impl::carry_load(Handle& held, double scale, double dt) {
+  held.impulse *= scale;
+  if (held.anchored()) {
+    held.arm = bodies[static_cast<std::size_t>(held.body)]->points()[static_cast<std::size_t>(held.point)] -
+               from_bullet(held.object->getWorldTransform().getOrigin());
+    held.rigid = rigid_.find_or_add(held.object, dt);
+    rigid_.push(held.rigid, -held.impulse, held.arm);
+  }
 }
 
 void DeformableSystem::Impl::predict(double dt) {
   StageTimer timer(profile.seconds.predict);
   const Vec3 gravity = from_bullet(world.getGravity());
   for (Deformable* body : bodies) {
+    if (body->asleep()) {
+      continue;
+    }
     const long long factored = body->refactorizations_;
     body->begin(dt, gravity);
     profile.totals.refactorizations += body->refactorizations_ - factored;
   }
-  profile.counts.deformables = static_cast<int>(bodies.size());
   profile.counts.handles = static_cast<int>(handles.size());
   profile.counts.anchors = static_cast<int>(
       std::count_if(handles.begin(), handles.end(), [](const Handle& held) { return held.anchored(); }));
@@ -151,7 +189,7 @@ Vec3 DeformableSystem::Impl::gravity_on(const Deformable& body) const {
 
 void DeformableSystem::Impl::solve_contacts(double dt) {
   if (placed_.empty() && skin_pairs_.empty() && contacts_.all().empty() && handles.empty()) {
-    profile.counts.without_contacts = static_cast<int>(bodies.size());
+    profile.counts.without_contacts = static_cast<int>(bodies.size()) - profile.counts.sleeping;
     return;
   }
   // A rebound answers the impact of the last substep: the skin has arrived at the surface by now.
@@ -176,9 +214,11 @@ void DeformableSystem::Impl::solve_contacts(double dt) {
     solver_.solve(bodies, contacts_.all(), handles, support_, rigid_, settings, profile);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    profile.counts.without_contacts += std::none_of(
-        contacts_.all().begin(), contacts_.all().end(),
-        [&](const Contact& c) { return (c.body == int(b) || c.other_body == int(b)) && c.seen; });
+    profile.counts.without_contacts +=
+        !bodies[b]->asleep() &&
+        std::none_of(contacts_.all().begin(), contacts_.all().end(), [&](const Contact& c) {
+          return (c.body == int(b) || c.other_body == int(b)) && c.seen;
+        });
   }
   rigid_.write_back();
   support_.write_back();
@@ -207,7 +247,7 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
 
   contacts_.erase_if([](const Contact& contact) { return !contact.seen || contact.impulse == Vec3::Zero(); });
   profile.counts.contacts = static_cast<int>(contacts_.all().size());
-  contact_points.clear();
+  std::erase_if(contact_points, [](const ContactPoint& p) { return !p.body->asleep(); });
   for (Contact& contact : contacts_.all()) {
     const Deformable& body = *bodies[static_cast<std::size_t>(contact.body)];
     ContactPoint point;
@@ -239,17 +279,23 @@ void DeformableSystem::Impl::commit(double dt) {
   {
     StageTimer timer(profile.seconds.commit);
     for (Deformable* body : bodies) {
+      if (body->asleep()) {
+        continue;
+      }
       const long long fired = body->guard_fired();
       body->finish(dt);
       if (body->guard_fired() != fired) {
         ++profile.totals.guard_fired;
         forget_impulses(index_of(body));
       }
+      body->update_deactivation(dt, is_quiet(*body));
     }
   }
   StageTimer timer(profile.seconds.mirror);
   for (Deformable* body : bodies) {
-    body->mirror(dt);
+    if (!body->asleep()) {
+      body->mirror(dt);
+    }
   }
 }
 

@@ -82,6 +82,7 @@ void ElasticBody::set_velocity(const Vec3& linear, const Vec3& angular) {
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     velocities_[v] = linear + angular.cross(positions_[v] - center);
   }
+  wake();
 }
 
 Mat3 ElasticBody::frame() const { return fit_frame(*model_, positions_, center_of_mass()); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "softpoint/core/profile.h"
+#include "softpoint/core/sleep_settings.h"
 #include "softpoint/core/surface.h"
 #include "softpoint/core/triangle_mesh.h"
 
@@ -41,6 +42,17 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
 
   // Extra acceleration of this body alone (m/s2), added to the world's gravity.
   void set_acceleration(const Vec3& acceleration);
+
+  // Sleeping. Bullet puts whole islands to sleep, rigid and deformable bodies alike: a body that has been
+  // slower than its threshold for long enough agrees to it. It then costs nothing until Bullet, something
+  // that moves near it, a handle, an impulse or a setter wakes it. setActivationState(DISABLE_DEACTIVATION)
+  // forbids sleep; DISABLE_SIMULATION freezes the body and takes its contacts away.
+  void set_sleep_settings(const SleepSettings& settings);
+  const SleepSettings& sleep_settings() const { return sleep_settings_; }  // in force
+  bool asleep() const { return asleep_; }  // it took no part in the last substep
+  // Also the bodies that sleep with it; Bullet's activate() does the same one substep later.
+  void wake();
+  double max_speed() const;  // m/s, of the fastest point
 
   // Times the last-resort guard put this body back to its last finite state.
   long long guard_fired() const { return guard_fired_; }
@@ -95,6 +107,8 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void begin(double dt, const Vec3& gravity);
   void finish(double dt);
   void mirror(double dt);
+  void fall_asleep();
+  void update_deactivation(double dt, bool quiet);
   void build_mirror();
 
   btSoftBodyWorldInfo world_info_;
@@ -106,6 +120,8 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   double total_mass_ = 0;
   bool impulses_queued_ = false;
   long long guard_fired_ = 0;
+  SleepSettings sleep_settings_;
+  bool asleep_ = false;  // left out of the step
   DeformableSystem* system_ = nullptr;
 };
 

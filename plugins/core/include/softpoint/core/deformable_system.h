@@ -107,6 +107,9 @@ class SOFTPOINT_API DeformableSystem {
   btDiscreteDynamicsWorld& world() const;  // the one attached to
 
  private:
+  friend class Deformable;
+  void wake_island(Deformable& body);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
