@@ -37,6 +37,12 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void let_go(const Handle& held);
   void forget(const Deformable& body);
   void wake_mates(const Deformable& body);
+  // Snapshots (snapshot_system.cpp, snapshot_world.cpp).
+  void archive(StateArchive& archive, SnapshotScope& scope);
+  void taken_over();
+  void drop_vanished();
+  void check_between_steps(const char* caller) const;
+  void flush_contact_caches();
   double last_step() const { return last_dt_; }  // s
 
   btDiscreteDynamicsWorld& world;
@@ -58,6 +64,11 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
     int first_rigid, second_rigid;
     bool joins(int a, int b) const { return (a == first && b == second) || (a == second && b == first); }
     int rigid_of(int body) const { return body == first ? first_rigid : second_rigid; }
+  };
+  struct Surrounding {  // a static or kinematic object near a sleeping body, and where it was
+    const Deformable* body;
+    const btCollisionObject* object;
+    btTransform pose;
   };
   struct Pair {
     int body;
@@ -89,6 +100,15 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void add_pair(int body, const btCollisionObject* other);
   bool surroundings_moved(const Deformable& body) const;
   bool is_quiet(const Deformable& body) const;
+
+  void archive_object(StateArchive& archive, const btCollisionObject*& object);
+  void archive_contact(StateArchive& archive, Contact& contact);
+  void archive_contact_point(StateArchive& archive, ContactPoint& point);
+  void archive_surrounding(StateArchive& archive, Surrounding& near);
+  void archive_world(StateArchive& archive);
+  int place_of(const btCollisionObject* object) const;
+  void watch_pairs();
+  void drop_unpaired();
 
   void carry_load(Contact& contact, double scale, double dt);
   void carry_load(Handle& held, double scale, double dt);
@@ -122,17 +142,14 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
     double dt;  // s, of the substep over which its impulse acted
   };
   std::vector<RestingContact> resting_contacts_;
-  struct Surrounding {  // a static or kinematic object near a sleeping body, and where it was
-    const Deformable* body;
-    const btCollisionObject* object;
-    btTransform pose;
-  };
   std::vector<Surrounding> surroundings_;
   btVector3 known_gravity_;
   ContactSolver solver_;
   SupportContacts support_;
   double dt_ = 0;  // s, of the substep at work
   double last_dt_ = 0;
+  bool restored_ = false;  // since the last step
+  bool flushing_ = false;
   bool open_ = false;
   bool solved_ = false;
   bool bullet_solved_ = false;       // in this substep, Bullet has solved the rigid bodies

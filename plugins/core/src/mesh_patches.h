@@ -23,6 +23,7 @@ class MeshPatches {
   // Forget what a shape looked like.
   void forget(const btCollisionShape& shape);
   void forget_body(int body);
+  void clear() { entries_.clear(); }
   // Those of a body that sleeps are in use.
   void keep(int body);
 

@@ -147,6 +147,10 @@ void DeformableSystem::Impl::place_colliders(double dt) {
   skin_pairs_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
   add_pairs_ahead();
+  // Bullet's order depends on what was near before.
+  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
+    return a.body != b.body ? a.body < b.body : a.other->getWorldArrayIndex() < b.other->getWorldArrayIndex();
+  });
   for (const Pair& pair : pairs_) {
     if (!pair.other->hasContactResponse() ||
         !bodies[static_cast<std::size_t>(pair.body)]->hasContactResponse()) {

@@ -39,6 +39,9 @@ void DeformableSystem::Impl::add_pair(int body, const btCollisionObject* other) 
 }
 
 void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, const btCollisionObject* other) {
+  if (flushing_) {
+    return;  // it is about to be found again
+  }
   const auto joins = [&](const btCollisionObject* a, const btCollisionObject* b) {
     return (a == deformable && b == other) || (a == other && b == deformable);
   };
@@ -97,6 +100,10 @@ void DeformableSystem::Impl::open_substep(double dt, bool solved) {
   pairs_.clear();
   rigid_.clear();
   release_lost_anchors();
+  if (restored_) {
+    drop_unpaired();
+    restored_ = false;
+  }
   freeze_the_disabled();
   // Bullet is about to solve the rigid bodies: let it see the load they carried in the last substep, so
   // that a pile under a deformable answers it now. What changes is settled after Bullet.

@@ -134,9 +134,16 @@ const double* ElasticBody::response() const {
 void ElasticBody::choose_response(double dt) {
   dt_ = dt;
   const auto fits = [&](double step) { return std::abs(dt - step) <= 1e-6 * step; };  // btScalar may be float
-  if (own_response_.empty() ? fits(model_->time_step) : fits(own_step_)) {
+  const bool own = own_is_due_ || !own_response_.empty();
+  if (own && own_is_due_ && fits(own_step_)) {
+    compute_response(*model_, own_step_, own_response_);
+    own_is_due_ = false;
+    ++refactorizations_;
+  }
+  if (own ? fits(own_step_) : fits(model_->time_step)) {
     return;
   }
+  own_is_due_ = false;
   if (fits(model_->time_step)) {
     own_response_.clear();
     return;
@@ -356,6 +363,31 @@ void ElasticBody::skin_normals(std::vector<Vec3>& normals) const {
   normals.resize(positions_.size());
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     normals[v] = frame_ * model_->normals[v];
+  }
+}
+
+// What the next step begins with; the rest is made in each step.
+void ElasticBody::archive_state(StateArchive& archive) {
+  archive.constant("Young's modulus", model_->material.young);
+  archive.constant("Poisson's ratio", model_->material.poisson);
+  archive.constant("time step of the model", model_->time_step);
+  archive.constant("hash of the rest shape",
+                   state_hash(model_->rest.data(), model_->rest.size() * sizeof(Vec3)));
+  archive.number("strain energy", strain_energy_, 0.0);
+  archive.rotation("frame", frame_);
+  archive.vectors("strain", strain_);
+  archive.vectors("elastic force", force_);
+  double step = own_is_due_ || !own_response_.empty() ? own_step_ : 0.0;
+  archive.number("time step of the response", step, 0.0, 1e6);
+  if (!archive.loading()) {
+    return;
+  }
+  if (step == 0.0) {
+    own_response_.clear();
+    own_is_due_ = false;
+  } else if (step != own_step_ || own_response_.empty()) {
+    own_step_ = step;
+    own_is_due_ = true;
   }
 }
 

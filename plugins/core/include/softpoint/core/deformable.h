@@ -7,6 +7,7 @@
 
 #include "softpoint/core/profile.h"
 #include "softpoint/core/sleep_settings.h"
+#include "softpoint/core/state_archive.h"
 #include "softpoint/core/surface.h"
 #include "softpoint/core/triangle_mesh.h"
 
@@ -85,6 +86,11 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // the directions in which corners of colliders press. By default the area-weighted mean of the faces round
   // a point.
   virtual void skin_normals(std::vector<Vec3>& normals) const;
+  // What kind of body this is, for snapshots: one name a plugin and layout of archive_state().
+  virtual std::string_view kind() const { return "deformable"; }
+  // The plugin's own members on which the next step depends, for snapshots. Positions and velocities are
+  // those of the snapshot already when archive.loading().
+  virtual void archive_state(StateArchive& archive);
   // Called when the guard has put positions_ back and zeroed velocities_.
   virtual void restored() {}
 
@@ -107,6 +113,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void begin(double dt, const Vec3& gravity);
   void finish(double dt);
   void mirror(double dt);
+  void archive(StateArchive& archive);
   void fall_asleep();
   void update_deactivation(double dt, bool quiet);
   void build_mirror();

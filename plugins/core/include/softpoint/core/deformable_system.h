@@ -8,6 +8,7 @@
 
 #include "softpoint/core/deformable.h"
 #include "softpoint/core/profile.h"
+#include "softpoint/core/snapshot.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 
@@ -99,6 +100,18 @@ class SOFTPOINT_API DeformableSystem {
 
   // Contact points of the last substep that pushed.
   std::span<const ContactPoint> contacts() const;
+
+  // Snapshots, between two steps. Restoring asks for the same bodies, added in the same order, and the same
+  // number of collision objects in the world; Error names what differs, and nothing has changed then. Bullet
+  // cannot restore its caches of rigid contacts: for two runs to go on with the same bits, flush them in
+  // both, right after save() (restore() of a snapshot of the world does it itself).
+  Snapshot save(SnapshotScope scope = SnapshotScope::deformables) const;
+  // The same into storage that is used again.
+  void save(Snapshot& into, SnapshotScope scope = SnapshotScope::deformables) const;
+  // Takes the state over.
+  void restore(const Snapshot& snapshot);
+  // All of Bullet's pairs and contact points of this world are found anew in the next step.
+  void flush_contact_caches();
 
   const Profile& profile() const;           // of the last substep, and totals
   const ContactSettings& settings() const;  // in force

@@ -34,6 +34,8 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   void respond(std::span<const int> touched, std::span<const Vec3> impulses) override;
   void commit(double dt) override;
   void skin_normals(std::vector<Vec3>& normals) const override;
+  std::string_view kind() const override { return "elastic"; }
+  void archive_state(StateArchive& archive) override;
   void restored() override;
 
   // The stages of predict().
@@ -52,6 +54,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   std::shared_ptr<const ElasticModel> model_;
   std::vector<double> own_response_;  // empty while the model's serves
   double own_step_ = 0;               // s, time step of own_response_
+  bool own_is_due_ = false;           // own_response_ is still to be made for own_step_
   double strain_energy_ = 0;          // J, of the last committed shape
 
   // The step at work. Arms and spin are about the centre of mass; strain and forces in the frame R.
