@@ -95,6 +95,23 @@ TEST(Step, TakesNothingFromTheHeapAsleepAndAtWaking) {
   }
 }
 
+TEST(Snapshot, SavingAndRestoringAgainTakeNothingFromTheHeap) {
+  TestWorld world;
+  world.add_floor();
+  DeformableSystem system(*world);
+  ElasticBody body(model_of(Shape::cube, 1e6), Vec3(0, 0.202, 0));
+  system.add(body);
+  system.grab(body, 0, body.points()[0], 1.0);
+  world.step(30);
+  Snapshot snapshot = system.save();
+  world.step(30);
+  const long long before = heap_calls;
+  system.restore(snapshot);
+  system.save(snapshot);
+  EXPECT_EQ(heap_calls - before, 0);
+  EXPECT_GT(snapshot.bytes().size(), 26u * 6 * 8);
+}
+
 TEST(Step, TakesNothingFromTheHeapInMotion) {
   TestWorld world, twin;
   for (TestWorld* w : {&world, &twin}) {

@@ -329,6 +329,7 @@ TEST(Pressed, BodyHoldsStillBetweenThePlates) {
                      c.shape == Shape::part
                          ? Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitX()).toRotationMatrix()
                          : Mat3(Mat3::Identity()));
+    body.setActivationState(DISABLE_DEACTIVATION);
     system.add(body);
     btRigidBody& plate = world.add_box(Vec3(0.5, 0.1, 0.5), 0, Vec3(0, height + 0.11, 0));
     plate.setCollisionFlags(plate.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);

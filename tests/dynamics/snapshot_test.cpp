@@ -70,6 +70,9 @@ TEST(Snapshot, GoesOnWithTheSameBits) {
     EXPECT_EQ(scene.system.handle_force(scene.handle), force);
     EXPECT_EQ(scene.system.profile().totals.substeps, 640);
 
+    if (kind != WorldKind::discrete && !full_tier()) {
+      continue;
+    }
     Alone other(kind);  // made anew; its own caches are empty
     scene.system.restore(snapshot);
     scene.system.flush_contact_caches();
@@ -84,6 +87,9 @@ TEST(Snapshot, GoesOnWithTheSameBits) {
 TEST(Snapshot, WithRigidBodiesGoesOnAsItsFlushedTwin) {
   for (const WorldKind kind : kWorlds) {
     for (const double young : {1e5, 1e6}) {
+      if (young != 1e5 && kind != WorldKind::discrete && !full_tier()) {
+        continue;
+      }
       Pile pile(kind, young);
       pile.world.step(45);
       const Snapshot snapshot = pile.system.save(SnapshotScope::world);
@@ -381,19 +387,18 @@ TEST(Snapshot, HarmedWithinTheSealItIsRefusedWholeOrSound) {
   EXPECT_GT(refused, taken);
 }
 
-// One hash for every machine: the instruction set is held down, and nothing else of the machine counts.
-TEST(Determinism, AShortSceneHasItsGoldenBits) {
+// One hash for every x86-64 machine with this compiler and C library: the instruction set is held down.
+TEST(Determinism, AFlightHasItsGoldenBits) {
   elastic::ElasticSettings settings;
   settings.cache.folder = "";
   settings.stiffness.max_instruction_set = elastic::InstructionSet::kBaseline;
   const auto model = elastic::make_elastic_model(mesh_of(Shape::cube), {1e5, 0.3, 1000}, settings);
   TestWorld world;
-  world.add_floor();
   DeformableSystem system(*world);
-  ElasticBody body(model, Vec3(0, 0.5, 0), Mat3(Eigen::AngleAxisd(0.3, Vec3(1, 0, 1).normalized())));
+  ElasticBody body(model, Vec3(0, 0.5, 0));
   system.add(body);
   body.set_velocity(Vec3(0.5, 0, 0), Vec3(0, 1, 0));
-  world.add_box(Vec3(0.1, 0.1, 0.1), 5, Vec3(0.05, 1.0, 0));
+  body.apply_impulse(5, Vec3(0.5, 0.25, 0.25), Vec3(3, 50, 7));
   const auto bits = play(world, system, 120);
   std::printf("    0x%016llx\n", static_cast<unsigned long long>(bits.back()));
   EXPECT_EQ(bits.back(), kDouble ? 0x0u : 0x0u);

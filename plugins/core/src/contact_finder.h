@@ -35,6 +35,9 @@ class ContactFinder {
   void find_corners(const FeatureSource& source, const RigidState& rigid, ContactTable& contacts);
   void find_edges(const FeatureSource& source, const RigidState& rigid, ContactTable& contacts);
 
+  // Where the body is now says nothing of where it was.
+  void forget_meshes() { mesh_memories_.clear(); }
+
   // A contact of an earlier pass of this substep that detection did not find again: measured anew on the
   // same features, so that what one pass separated does not fall back in the next. False when the features
   // have left each other.

@@ -43,6 +43,9 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void drop_vanished();
   void check_between_steps(const char* caller) const;
   void flush_contact_caches();
+  void forbid_collisions(bool forbid);
+  void forget_meshes();
+  void release_lost_anchors();
   double last_step() const { return last_dt_; }  // s
 
   btDiscreteDynamicsWorld& world;
@@ -66,9 +69,9 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
     int rigid_of(int body) const { return body == first ? first_rigid : second_rigid; }
   };
   struct Surrounding {  // a static or kinematic object near a sleeping body, and where it was
-    const Deformable* body;
-    const btCollisionObject* object;
-    btTransform pose;
+    const Deformable* body = nullptr;
+    const btCollisionObject* object = nullptr;
+    btTransform pose = btTransform::getIdentity();
   };
   struct Pair {
     int body;
@@ -85,7 +88,6 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
   void commit(double dt);           // new positions, guard, mirror
 
-  void release_lost_anchors();
   // Sleeping and waking (sleeping.cpp).
   void wake_the_roused(double dt);  // those that the app, Bullet or their surroundings have roused
   void freeze_the_disabled();       // those of DISABLE_SIMULATION
@@ -102,6 +104,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   bool is_quiet(const Deformable& body) const;
 
   void archive_object(StateArchive& archive, const btCollisionObject*& object);
+  void archive_handle(StateArchive& archive, Handle& held);
   void archive_contact(StateArchive& archive, Contact& contact);
   void archive_contact_point(StateArchive& archive, ContactPoint& point);
   void archive_surrounding(StateArchive& archive, Surrounding& near);
@@ -139,7 +142,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   // What sleeping bodies were left with, for the first step after waking.
   struct RestingContact {
     Contact contact;
-    double dt;  // s, of the substep over which its impulse acted
+    double dt = 0;  // s, of the substep over which its impulse acted
   };
   std::vector<RestingContact> resting_contacts_;
   std::vector<Surrounding> surroundings_;

@@ -31,17 +31,7 @@ void archive_totals(StateArchive& archive, Profile::Totals& t) {
   archive.integer("totals.guard_fired", t.guard_fired, 0, kMostLong);
   archive.integer("totals.late_substeps", t.late_substeps, 0, kMostLong);
   archive.integer("totals.refactorizations", t.refactorizations, 0, kMostLong);
-}
-
-void archive_handle(StateArchive& archive, std::span<Deformable* const> bodies, Handle& held) {
-  archive.integer("handle.id", held.id, 1, kMostLong);
-  archive.integer("handle.body", held.body, 0, static_cast<int>(bodies.size()) - 1);
-  const auto points = static_cast<int>(bodies[static_cast<std::size_t>(held.body)]->points().size());
-  archive.integer("handle.point", held.point, 0, points - 1);
-  archive.vector("handle.target", held.target);
-  archive.number("handle.max_force", held.max_force, 0.0, kInfinity);
-  archive.vector("handle.impulse", held.impulse);
-  archive.flag("handle.unreached", held.unreached);
+  archive.integer("totals.anchors_released", t.anchors_released, 0, kMostLong);
 }
 
 // Up to three weighted points.
@@ -116,6 +106,38 @@ int DeformableSystem::Impl::place_of(const btCollisionObject* object) const {
     }
   }
   return -1;
+}
+
+void DeformableSystem::Impl::archive_handle(StateArchive& archive, Handle& held) {
+  static_assert(sizeof(Handle) == 128, "Handle has changed: archive its new members, raise kSnapshotVersion");
+  archive.integer("handle.id", held.id, 1, kMostLong);
+  archive.integer("handle.body", held.body, 0, static_cast<int>(bodies.size()) - 1);
+  const auto points = static_cast<int>(bodies[static_cast<std::size_t>(held.body)]->points().size());
+  archive.integer("handle.point", held.point, 0, points - 1);
+  archive.vector("handle.target", held.target);
+  archive.number("handle.max_force", held.max_force, 0.0, kInfinity);
+  archive.vector("handle.impulse", held.impulse);
+  archive.flag("handle.unreached", held.unreached);
+  bool anchored = held.anchored();
+  archive.read_flag("handle.anchored", anchored);
+  if (anchored) {
+    archive_object(archive, held.object);
+    archive.flag("handle.collide", held.collide);
+  } else if (archive.loading()) {
+    held.object = nullptr;
+    held.collide = true;
+  }
+}
+
+// Of anchors that keep body and object from colliding.
+void DeformableSystem::Impl::forbid_collisions(bool forbid) {
+  for (const std::vector<Handle>* list : {&handles, &resting_handles_}) {
+    for (const Handle& held : *list) {
+      if (held.anchored() && !held.collide) {
+        bodies[static_cast<std::size_t>(held.body)]->setIgnoreCollisionCheck(held.object, forbid);
+      }
+    }
+  }
 }
 
 void DeformableSystem::Impl::archive_contact(StateArchive& archive, Contact& contact) {
@@ -198,7 +220,7 @@ void DeformableSystem::Impl::archive(StateArchive& archive, SnapshotScope& scope
     bodies[b]->archive(archive);
   }
   archive.begin("system");
-  const auto handle_entry = [&](Handle& held) { archive_handle(archive, bodies, held); };
+  const auto handle_entry = [&](Handle& held) { archive_handle(archive, held); };
   const long long none_without_bodies = bodies.empty() ? 0 : kMostEntries;
   archive.list("handles", handles, none_without_bodies, handle_entry);
   archive.list("handles of sleeping bodies", resting_handles_, none_without_bodies, handle_entry);
@@ -258,7 +280,15 @@ void DeformableSystem::restore(const Snapshot& snapshot) {
     throw Error("restore: the snapshot is empty; permitted is one that save() made");
   }
   SnapshotScope scope = SnapshotScope::deformables;
-  snapshot.take([&](StateArchive& archive) { impl_->archive(archive, scope); });
+  impl_->release_lost_anchors();
+  impl_->forbid_collisions(false);
+  try {
+    snapshot.take([&](StateArchive& archive) { impl_->archive(archive, scope); });
+  } catch (...) {
+    impl_->forbid_collisions(true);
+    throw;
+  }
+  impl_->forbid_collisions(true);
   impl_->taken_over();
   if (scope == SnapshotScope::world) {
     impl_->flush_contact_caches();
@@ -267,6 +297,7 @@ void DeformableSystem::restore(const Snapshot& snapshot) {
 
 void DeformableSystem::flush_contact_caches() {
   impl_->check_between_steps("flush_contact_caches");
+  impl_->forget_meshes();
   impl_->flush_contact_caches();
 }
 
@@ -278,6 +309,7 @@ void DeformableSystem::Impl::check_between_steps(const char* caller) const {
 
 // Nothing may be left of objects that have gone since the last step.
 void DeformableSystem::Impl::drop_vanished() {
+  release_lost_anchors();
   const auto vanished = [&](const auto& entry) { return place_of(entry.object) < 0; };
   contacts_.erase_if(vanished);
   std::erase_if(resting_contacts_, [&](const RestingContact& r) { return vanished(r.contact); });
@@ -285,9 +317,16 @@ void DeformableSystem::Impl::drop_vanished() {
   std::erase_if(contact_points, [&](const ContactPoint& p) { return place_of(p.other) < 0; });
 }
 
+void DeformableSystem::Impl::forget_meshes() {
+  for (ContactFinder& finder : finders_) {
+    finder.forget_meshes();
+  }
+}
+
 void DeformableSystem::Impl::taken_over() {
   contacts_.reindex();
   pairs_.clear();
+  forget_meshes();
   restored_ = true;
 }
 
