@@ -7,6 +7,7 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cerrno>
 #include <charconv>
@@ -19,7 +20,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 #include "softpoint/core/atomic_file.h"
 #include "softpoint/core/error.h"
@@ -58,18 +58,9 @@ class LineSource : public std::streambuf {
 
  protected:
   int_type underflow() override {
-    // Into room of a fixed size: a device may hold a line without an end.
-    in_.getline(room_.data(), static_cast<std::streamsize>(room_.size()));
-    const auto length = static_cast<std::size_t>(in_.gcount());
-    if (length == 0) {
+    if (!next_line()) {
       return traits_type::eof();
     }
-    ++number_;
-    if (in_.fail() && length + 1 == room_.size()) {
-      refuse("a line of more than " + std::to_string(kMaxLine) + " characters: permitted is up to " +
-             std::to_string(kMaxLine));
-    }
-    line_.assign(room_.data(), in_.eof() ? length : length - 1);  // the line feed counts, but is not kept
     if (line_.find('\0') != std::string::npos) {
       refuse("a zero byte: this is no text file");
     }
@@ -96,10 +87,35 @@ class LineSource : public std::streambuf {
   }
 
  private:
+  // Piece by piece: a device may hold a line without an end.
+  bool next_line() {
+    ++number_;
+    line_.clear();
+    for (bool whole = false; !whole;) {
+      in_.getline(piece_.data(), static_cast<std::streamsize>(piece_.size()));
+      const auto count = static_cast<std::size_t>(in_.gcount());
+      if (count == 0) {
+        return !line_.empty();
+      }
+      const bool full = in_.rdstate() == std::ios::failbit;  // the line goes on
+      whole = !full;
+      line_.append(piece_.data(),
+                   full || in_.eof() ? count : count - 1);  // the line feed counts, but is not kept
+      if (full) {
+        in_.clear();
+      }
+      if (line_.size() > kMaxLine) {
+        refuse("a line of more than " + std::to_string(kMaxLine) + " characters: permitted is up to " +
+               std::to_string(kMaxLine));
+      }
+    }
+    return true;
+  }
+
   std::istream& in_;
+  std::array<char, 4096> piece_;
   std::string file_;
   std::string line_;
-  std::vector<char> room_ = std::vector<char>(kMaxLine + 2);
   int number_ = 0;
 };
 

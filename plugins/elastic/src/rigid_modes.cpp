@@ -40,8 +40,8 @@ FreeRigidModes::FreeRigidModes(const TriangleMesh& mesh, const Vec3& centre, con
     free_ = svd.matrixV().rightCols(6 - rank);
   }
   modes_ = motions_ * free_;
-  for (Eigen::Index row : rows) modes_.row(row).setZero();
   if (count() > 0) {
+    for (Eigen::Index row : rows) modes_.row(row).setZero();
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(modes_);
     modes_ = qr.householderQ() * Eigen::MatrixXd::Identity(n, count());
   }

@@ -1,6 +1,7 @@
 #include "softpoint/picture/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "renderer_impl.h"
@@ -111,16 +112,16 @@ void Renderer::draw_arrow(const Vec3& from, const Vec3& vector, Color color, dou
   material.roughness = 0.45;
   material.casts_shadow = false;
   const Vec3 axis = vector / length;
-  const auto [first, second] = tangents(axis);
+  const std::array<Vec3, 2> across = tangents(axis);
   const double head = std::min(6.0 * radius, 0.5 * length);
   const double head_radius = 2.4 * radius * head / (6.0 * radius);
   const double shaft_radius = std::min(radius, 0.6 * head_radius);
   // The unit shapes reach from -1 to 1 along their y axis.
   const auto place = [&](int mesh, double begin, double end, double thickness) {
     Pose pose;
-    pose.linear.col(0) = second * thickness;
+    pose.linear.col(0) = across[1] * thickness;
     pose.linear.col(1) = axis * (0.5 * (end - begin));
-    pose.linear.col(2) = first * thickness;
+    pose.linear.col(2) = across[0] * thickness;
     pose.origin = from + axis * (0.5 * (begin + end));
     impl_->add_mesh_draw(mesh, material, pose);
   };
