@@ -22,7 +22,7 @@ struct Depth {
 
 struct Penetration {
   Depth vertex;  // vertices of deformables inside rigid shapes
-  Depth corner;  // corners of rigid boxes and hulls inside the skin of deformables
+  Depth corner;  // corners of rigid boxes, hulls and meshes inside the skin of deformables
 };
 
 // How deep bodies of a scene stand in each other now, by plain geometry: it shares nothing with the contact

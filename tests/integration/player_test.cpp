@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "metrics_state.h"
@@ -47,6 +48,19 @@ std::string trace_of(const json& document, int frames) {
 }
 
 class EveryWorld : public ::testing::TestWithParam<const char*> {};
+
+TEST(Player, DropsABodyOntoAMesh) {
+  Player player(read_scene(std::filesystem::path(SOFTPOINT_EXAMPLES_FOLDER) / "scenes" / "terrain.json"));
+  for (int k = 0; k < 90; ++k) {
+    player.step();
+  }
+  for (int d = 0; d < 3; ++d) {
+    EXPECT_GT(player.center({true, d}).y(), 0.0) << d;  // the ground is nowhere below -0.04 m
+    EXPECT_LT(player.center({true, d}).y(), 0.6) << d;
+  }
+  EXPECT_EQ(player.system().profile().counts.pairs_skipped, 0);
+  EXPECT_GT(player.system().profile().counts.contacts, 0);
+}
 
 TEST_P(EveryWorld, DropsBothKindsOfBodyOntoTheFloor) {
   Player player(read(cube_and_box(GetParam())));
