@@ -27,6 +27,12 @@ INSTANTIATE_TEST_SUITE_P(Worlds, Anchor,
                                            WorldKind::soft_multibody, WorldKind::deformable),
                          name_of);
 
+class LinkAnchor : public ::testing::TestWithParam<WorldKind> {};
+INSTANTIATE_TEST_SUITE_P(Worlds, LinkAnchor,
+                         ::testing::Values(WorldKind::multibody, WorldKind::soft_multibody,
+                                           WorldKind::deformable),
+                         name_of);
+
 Vec3 point_of(const Deformable& body, int point) { return body.points()[static_cast<std::size_t>(point)]; }
 
 // m, of an anchored point from its place on the object, as both stand after the step.
@@ -171,8 +177,7 @@ TEST_P(Anchor, FollowsStaticAndKinematicObjects) {
   EXPECT_LE(worst, by_precision(1e-6, 5e-6));
 }
 
-TEST_P(Anchor, TiesToLinksOfAMultibody) {
-  if (!steps_multibodies(GetParam())) GTEST_SKIP() << "this world steps no multibodies";
+TEST_P(LinkAnchor, HoldsOnTwoLinksOfAChain) {
   for (const bool fixed : {true, false}) {
     TestWorld world(GetParam());
     if (!fixed) world->setGravity(btVector3(0, 0, 0));

@@ -10,6 +10,7 @@
 
 #include "softpoint/core/deformable_system.h"
 #include "support/elastic_bodies.h"
+#include "support/multibodies.h"
 #include "support/worlds.h"
 
 namespace {
@@ -141,6 +142,57 @@ TEST(Step, TakesNothingFromTheHeapInMotion) {
   std::printf("    %lld heap calls in 240 steps in motion, %lld in a twin world without us\n", calls,
               bullets_own);
   EXPECT_LE(calls, bullets_own);
+}
+
+// A free chain tied to a body and pushed about by it, another anchored to a box; the twin is the same without
+// bodies of ours (Bullet's multibody solver itself may allocate).
+TEST(Step, TakesNothingFromTheHeapWithMultibodiesAndAnchors) {
+  for (const WorldKind kind : {WorldKind::multibody, WorldKind::deformable}) {
+    TestWorld world(kind), twin(kind);
+    Multibodies multibodies(world), twins(twin);
+    btMultiBody* chain = nullptr;
+    btRigidBody* box = nullptr;
+    for (TestWorld* w : {&twin, &world}) {
+      w->add_box(Vec3(3, 0.5, 3), 0, Vec3(0, -0.5, 0));
+      box = &w->add_box(Vec3::Constant(0.1), 5, Vec3(1.2, 0.8, 0));
+      Multibodies& mine = w == &world ? multibodies : twins;
+      chain = &mine.add_chain(
+          {.links = 3, .base = Vec3(-0.9, 0.9, 0), .joint = ChainSettings::Joint::ball, .gap = 0.1});
+      mine.add_chain({.links = 2, .fixed_base = false, .base = Vec3(0, 0.1, 1)});
+    }
+    DeformableSystem system(*world);
+    ElasticBody body(model_of(Shape::ball), Vec3(0.2, 0.4, 0)),
+        other(model_of(Shape::cube, 1e6), Vec3(0.3, 0.5, 1));
+    system.add(body);
+    system.add(other);
+    system.attach(body, 0, *chain->getLinkCollider(2));
+    system.attach(body, 50, *chain->getLinkCollider(2), 500.0);
+    system.attach(body, 100, *box);
+    const HandleId handle = system.grab(body, 10, body.points()[10], 3000);
+    long long calls = 0;
+    for (const bool counting : {false, false, false, true}) {
+      for (int i = 0; i < 240; ++i) {
+        const double t = 2 * std::numbers::pi * i / 240;
+        system.move(handle, Vec3(0.3 * std::cos(t), 0.4 + 0.2 * std::sin(2 * t), 0.3 * std::sin(t)));
+        if (counting) {
+          calls += heap_calls_of(world, 1);
+        } else {
+          world.step();
+        }
+      }
+    }
+    bool on_link = false;
+    for (const ContactPoint& c : system.contacts()) {
+      on_link |= btMultiBodyLinkCollider::upcast(c.other) != nullptr;
+    }
+    EXPECT_TRUE(on_link);
+    twin.step(720);
+    const long long bullets_own = heap_calls_of(twin, 240);
+    std::printf("    %lld heap calls in 240 steps with multibodies, %lld in a twin world without us\n", calls,
+                bullets_own);
+    EXPECT_LE(calls, bullets_own);
+    EXPECT_EQ(system.profile().totals.guard_fired, 0);
+  }
 }
 
 }  // namespace

@@ -22,10 +22,6 @@ struct ChainSettings {
   double gap = 0.02;          // m between two boxes
 };
 
-inline bool steps_multibodies(WorldKind kind) {
-  return kind == WorldKind::multibody || kind == WorldKind::soft_multibody || kind == WorldKind::deformable;
-}
-
 // Multibodies of a TestWorld, with their colliders. Destroy it before the world. No damping, no sleeping.
 class Multibodies {
  public:
