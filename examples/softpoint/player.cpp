@@ -36,6 +36,7 @@ Player::Player(Scene scene)
 }
 
 Player::~Player() {
+  handles_.reset();
   system_.reset();
   for (std::size_t k = 0; k < rigid_.size(); ++k) {
     put({false, static_cast<int>(k)}, false);
@@ -111,7 +112,8 @@ void Player::apply(const Event& event) {
   if (const auto* grab = std::get_if<GrabEvent>(&event.action)) {
     const BodyRef ref{true, grab->deformable};
     handles_->grab(*grab, *deformables_[static_cast<std::size_t>(grab->deformable)].body,
-                   near_point(grab->near, grab->near_body, ref));
+                   near_point(grab->near, grab->near_body, ref),
+                   grab->to ? &rigid_[static_cast<std::size_t>(*grab->to)]->body() : nullptr);
   } else if (const auto* move = std::get_if<MoveEvent>(&event.action)) {
     handles_->move(*move, time());
   } else if (const auto* release = std::get_if<ReleaseEvent>(&event.action)) {
@@ -205,6 +207,9 @@ void Player::put(BodyRef body, bool wanted) {
   if (wanted) {
     world_->addRigidBody(&rigid_[k]->body());
   } else {
+    if (handles_) {  // gone first when the player ends
+      handles_->forget_carrier(rigid_[k]->body());
+    }
     world_->removeRigidBody(&rigid_[k]->body());
   }
   rigid_present_[k] = wanted;

@@ -5,6 +5,22 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
+namespace {
+
+Placement placement_of(const btCollisionObject& object) {
+  Placement placement;
+  const btTransform& at = object.getWorldTransform();
+  for (int r = 0; r < 3; ++r) {
+    placement.position[r] = at.getOrigin()[r];
+    for (int c = 0; c < 3; ++c) {
+      placement.rotation(r, c) = at.getBasis()[r][c];
+    }
+  }
+  return placement;
+}
+
+}  // namespace
+
 int nearest_vertex(const Deformable& body, const Vec3& position) {
   const auto points = body.points();
   const auto nearest = std::min_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
@@ -13,7 +29,8 @@ int nearest_vertex(const Deformable& body, const Vec3& position) {
   return static_cast<int>(nearest - points.begin());
 }
 
-void HandleSet::grab(const GrabEvent& event, Deformable& body, const Vec3& near) {
+void HandleSet::grab(const GrabEvent& event, Deformable& body, const Vec3& near,
+                     const btCollisionObject* to) {
   Handle& handle = handles_[static_cast<std::size_t>(event.handle)];
   const auto points = body.points();
   std::vector<int> vertices = event.vertices;
@@ -33,7 +50,15 @@ void HandleSet::grab(const GrabEvent& event, Deformable& body, const Vec3& near)
   handle.held.clear();
   for (const int v : vertices) {
     const Vec3& point = points[static_cast<std::size_t>(v)];
-    handle.held.push_back({&body, v, system_.grab(body, v, point, event.max_force), point - handle.position});
+    Held held{&body, v, 0, point - handle.position};
+    if (to != nullptr) {
+      held.to = to;
+      held.local = placement_of(*to).to_local(point);
+      held.id = system_.attach(body, v, *to, held.local, event.max_force, event.collide);
+    } else {
+      held.id = system_.grab(body, v, point, event.max_force);
+    }
+    handle.held.push_back(held);
   }
 }
 
@@ -64,6 +89,22 @@ void HandleSet::forget(const Deformable& body) {
   for (Handle& handle : handles_) {
     std::erase_if(handle.held, [&](const Held& held) { return held.body == &body; });
   }
+}
+
+void HandleSet::forget_carrier(const btCollisionObject& to) {
+  for (Handle& handle : handles_) {
+    std::erase_if(handle.held, [&](const Held& held) {
+      if (held.to == &to) {
+        system_.release(held.id);
+      }
+      return held.to == &to;
+    });
+  }
+}
+
+Vec3 HandleSet::target(std::size_t handle, const Held& held) const {
+  return held.to != nullptr ? placement_of(*held.to).to_world(held.local)
+                            : Vec3(handles_[handle].position + held.offset);
 }
 
 void HandleSet::lead(double now) {

@@ -15,17 +15,21 @@ class HandleSet {
     Deformable* body = nullptr;
     int point = 0;
     HandleId id = 0;
-    Vec3 offset = Vec3::Zero();  // m, of the point's target from the handle
+    Vec3 offset = Vec3::Zero();             // m, of the point's target from the handle
+    const btCollisionObject* to = nullptr;  // carries the point; null: the handle does
+    Vec3 local = Vec3::Zero();              // m, of the point's target in its frame
   };
 
   HandleSet(DeformableSystem& system, std::size_t count) : system_(system), handles_(count) {}
 
-  // `near` in the world; used where the event names no vertices.
-  void grab(const GrabEvent& event, Deformable& body, const Vec3& near);
+  // `near` in the world; used where the event names no vertices. `to`: the body of an attach event.
+  void grab(const GrabEvent& event, Deformable& body, const Vec3& near, const btCollisionObject* to);
   void move(const MoveEvent& event, double now);
   void release(int handle);
   // The body has left the system, and took what held it along.
   void forget(const Deformable& body);
+  // The body is about to leave the world: what is attached to it is let go.
+  void forget_carrier(const btCollisionObject& to);
   // Leads all handles to where they are at that time.
   void lead(double now);
 
@@ -33,6 +37,8 @@ class HandleSet {
   const std::vector<Held>& held(std::size_t handle) const { return handles_[handle].held; }
   // m; where the handle is led to now.
   const Vec3& position(std::size_t handle) const { return handles_[handle].position; }
+  // m; where a held point is to be now.
+  Vec3 target(std::size_t handle, const Held& held) const;
   // Sum of its forces on the body in the last substep (N).
   Vec3 force(std::size_t handle) const;
 

@@ -196,7 +196,7 @@ void PictureTaker::draw_overlays() {
   for (std::size_t h = 0; h < handles.count(); ++h) {
     for (const HandleSet::Held& held : handles.held(h)) {
       const Vec3& point = held.body->points()[static_cast<std::size_t>(held.point)];
-      const Vec3 target = handles.position(h) + held.offset;
+      const Vec3 target = handles.target(h, held);
       renderer_.draw_point(point, kHandleColor, 4.5, true);
       renderer_.draw_line(point, target, kHandleColor, 2.0, true);
       const Vec3 force = player_.system().handle_force(held.id);

@@ -113,6 +113,8 @@ struct GrabEvent {  // one point, or several that stay together
   double radius = 0;          // m; 0: the nearest vertex alone
   bool near_body = false;     // `near` counts from the centre of mass
   double max_force = 0;       // N, of each point; infinity pins
+  std::optional<int> to;      // a rigid body that carries the points; absent: the world
+  bool collide = false;       // with that body
 };
 
 enum class Origin { kWorld, kHandle, kBody };

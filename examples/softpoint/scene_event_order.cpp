@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -18,7 +19,11 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return scene.events[a].at < scene.events[b].at; });
-  std::map<int, int> held;  // handle -> deformable
+  struct Held {
+    int deformable;
+    std::optional<int> to;  // rigid body
+  };
+  std::map<int, Held> held;  // by handle
   std::set<std::pair<bool, int>> off;
   for (const std::size_t k : order) {
     const auto refuse = [&](const std::string& problem) { throw Error(places[k] + ": " + problem); };
@@ -26,8 +31,8 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
     const auto need_held = [&](int handle) {
       if (!held.contains(handle)) {
         refuse(fmt::format(
-            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab or pin and "
-            "its release",
+            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab, pin or attach "
+            "and its release",
             name(handle), to_text(scene.events[k].at)));
       }
     };
@@ -39,11 +44,18 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
     const auto& action = scene.events[k].action;
     if (const auto* grab = std::get_if<GrabEvent>(&action)) {
       need_present({true, grab->deformable});
-      if (!held.emplace(grab->handle, grab->deformable).second) {
+      if (grab->to) {
+        need_present({false, *grab->to});
+      }
+      if (!held.emplace(grab->handle, Held{grab->deformable, grab->to}).second) {
         refuse(fmt::format("handle \"{}\" already holds something; release it first", name(grab->handle)));
       }
     } else if (const auto* move = std::get_if<MoveEvent>(&action)) {
       need_held(move->handle);
+      if (held.at(move->handle).to) {
+        refuse(fmt::format("handle \"{}\" is attached to a body; permitted is one of grab or pin",
+                           name(move->handle)));
+      }
     } else if (const auto* release = std::get_if<ReleaseEvent>(&action)) {
       need_held(release->handle);
       held.erase(release->handle);
@@ -55,7 +67,10 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
         off.erase(key);
       } else {
         off.insert(key);
-        std::erase_if(held, [&](const auto& h) { return key == std::pair{true, h.second}; });
+        std::erase_if(held, [&](const auto& h) {
+          const Held& tied = h.second;
+          return key == std::pair{true, tied.deformable} || (tied.to && key == std::pair{false, *tied.to});
+        });
       }
     }
   }

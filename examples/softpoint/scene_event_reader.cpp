@@ -7,6 +7,7 @@
 
 #include "json_reader_state.h"
 #include "nearest.h"
+#include "scene_body_ref.h"
 #include "scene_event_order.h"
 #include "scene_limits.h"
 
@@ -24,6 +25,9 @@ class EventReader {
  private:
   void read_grab(ObjectReader& item);
   void read_pin(ObjectReader& item);
+  void read_attach(ObjectReader& item);
+  void read_points(ObjectReader& item, GrabEvent& event);
+  double read_max_force(ObjectReader& item, const std::string& doc);
   void read_move(ObjectReader& item);
   void read_impulse(ObjectReader& item);
   void read_toggle(ObjectReader& item);
@@ -92,13 +96,7 @@ void EventReader::read_grab(ObjectReader& item) {
   }
   grab.near = near.value_or(Vec3::Zero());
   grab.near_body = read_near_frame(item);
-  grab.max_force =
-      item.optional_number("max_force", {.quantity = Quantity::kForce,
-                                         .low = 0.0,
-                                         .high = kMaxForce,
-                                         .above = true,
-                                         .doc = "strongest pull; without it the vertex follows exactly"})
-          .value_or(kNoLimit);
+  grab.max_force = read_max_force(item, "strongest pull; without it the vertex follows exactly");
   add(item, {at_, grab});
 }
 
@@ -107,29 +105,58 @@ void EventReader::read_pin(ObjectReader& item) {
   pin.max_force = kNoLimit;
   pin.handle = read_new_handle(item);
   pin.deformable = read_body_ref(item, "body", scene_, true, "name of a deformable").index;
+  read_points(item, pin);
+  add(item, {at_, pin});
+}
+
+void EventReader::read_attach(ObjectReader& item) {
+  GrabEvent attach;
+  attach.handle = read_new_handle(item);
+  attach.deformable = read_body_ref(item, "body", scene_, true, "name of a deformable").index;
+  const BodyRef to = read_body_ref(item, "to", scene_, false, "name of a rigid body");
+  if (to.deformable && !item.describing()) {
+    item.refuse("to", "permitted is a rigid body");
+  }
+  attach.to = to.index;
+  read_points(item, attach);
+  attach.max_force = read_max_force(item, "strongest pull on each vertex; without it they are held exactly");
+  attach.collide = item.boolean("collide", {.fallback = false, .doc = "the two bodies still collide"});
+  add(item, {at_, attach});
+}
+
+double EventReader::read_max_force(ObjectReader& item, const std::string& doc) {
+  return item
+      .optional_number(
+          "max_force",
+          {.quantity = Quantity::kForce, .low = 0.0, .high = kMaxForce, .above = true, .doc = doc})
+      .value_or(kNoLimit);
+}
+
+// Several vertices of event.deformable.
+void EventReader::read_points(ObjectReader& item, GrabEvent& event) {
   const bool by_vertices = item.has("vertices"), by_near = item.has("near");
   if (!item.describing() && by_vertices == by_near) {
     item.refuse("permitted is one of: vertices, near");
   }
   if (by_vertices || item.describing()) {
-    pin.vertices = item.indices(
-        "vertices", {.count = item.describing()
-                                  ? 1
-                                  : scene_.deformables[static_cast<std::size_t>(pin.deformable)].vertex_count,
-                     .of = "vertices of the body",
-                     .doc = "or near"});
+    event.vertices = item.indices(
+        "vertices",
+        {.count = item.describing()
+                      ? 1
+                      : scene_.deformables[static_cast<std::size_t>(event.deformable)].vertex_count,
+         .of = "vertices of the body",
+         .doc = "or near"});
   }
-  pin.near =
+  event.near =
       item.optional_vec3(
               "near", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace, .doc = kNearDoc})
           .value_or(Vec3::Zero());
-  pin.radius = item.number("radius", {.quantity = Quantity::kLength,
-                                      .low = 0.0,
-                                      .high = kMaxLength,
-                                      .fallback = 0.0,
-                                      .doc = "with near: all vertices within it too"});
-  pin.near_body = read_near_frame(item);
-  add(item, {at_, pin});
+  event.radius = item.number("radius", {.quantity = Quantity::kLength,
+                                        .low = 0.0,
+                                        .high = kMaxLength,
+                                        .fallback = 0.0,
+                                        .doc = "with near: all vertices within it too"});
+  event.near_body = read_near_frame(item);
 }
 
 void EventReader::read_move(ObjectReader& item) {
@@ -230,56 +257,22 @@ void EventReader::add(ObjectReader& item, Event event) {
 
 void EventReader::read(ObjectReader& item) {
   at_ = item.number("at", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .doc = "when"});
-  item.variant("do",
-               {{"grab", "hold a vertex where it is", [&](ObjectReader& r) { read_grab(r); }},
-                {"pin", "hold vertices where they are", [&](ObjectReader& r) { read_pin(r); }},
-                {"move", "lead a handle", [&](ObjectReader& r) { read_move(r); }},
-                {"release", "let go",
-                 [&](ObjectReader& r) {
-                   add(r, {at_, ReleaseEvent{read_handle(r)}});
-                 }},
-                {"impulse", "strike a body", [&](ObjectReader& r) { read_impulse(r); }},
-                {"toggle", "switch something on or off", [&](ObjectReader& r) { read_toggle(r); }}},
-               {});
-}
-
-BodyRef find_body(ObjectReader& item, std::string_view key, const std::string& name, const Scene& scene,
-                  bool deformables_only) {
-  std::vector<std::string> names;
-  for (std::size_t k = 0; k < scene.deformables.size(); ++k) {
-    if (scene.deformables[k].name == name) {
-      return {true, static_cast<int>(k)};
-    }
-    names.push_back(scene.deformables[k].name);
-  }
-  for (std::size_t k = 0; k < scene.rigid_bodies.size() && !deformables_only; ++k) {
-    if (scene.rigid_bodies[k].name == name) {
-      return {false, static_cast<int>(k)};
-    }
-    names.push_back(scene.rigid_bodies[k].name);
-  }
-  const std::string meant = nearest(name, names);
-  item.refuse(key, fmt::format("no {} of that name; {}{}", deformables_only ? "deformable" : "body",
-                               names.empty() ? "there are none" : "permitted are " + joined(names),
-                               meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
+  item.variant(
+      "do",
+      {{"grab", "hold a vertex where it is", [&](ObjectReader& r) { read_grab(r); }},
+       {"pin", "hold vertices where they are", [&](ObjectReader& r) { read_pin(r); }},
+       {"attach", "tie vertices to a rigid body where they are", [&](ObjectReader& r) { read_attach(r); }},
+       {"move", "lead a handle", [&](ObjectReader& r) { read_move(r); }},
+       {"release", "let go",
+        [&](ObjectReader& r) {
+          add(r, {at_, ReleaseEvent{read_handle(r)}});
+        }},
+       {"impulse", "strike a body", [&](ObjectReader& r) { read_impulse(r); }},
+       {"toggle", "switch something on or off", [&](ObjectReader& r) { read_toggle(r); }}},
+      {});
 }
 
 }  // namespace
-
-BodyRef read_body_ref(ObjectReader& item, std::string_view key, const Scene& scene, bool deformables_only,
-                      const std::string& doc) {
-  const std::string name = item.text(key, {.doc = doc});
-  return item.describing() ? BodyRef{} : find_body(item, key, name, scene, deformables_only);
-}
-
-std::optional<BodyRef> read_optional_body_ref(ObjectReader& item, std::string_view key, const Scene& scene,
-                                              const std::string& doc) {
-  const std::string name = item.text(key, {.fallback = "", .doc = doc});
-  if (!item.has(key)) {
-    return std::nullopt;
-  }
-  return find_body(item, key, name, scene, false);
-}
 
 void read_events(ObjectReader& root, Scene& scene) {
   EventReader reader(scene);

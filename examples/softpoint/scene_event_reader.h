@@ -5,14 +5,6 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
-// The body of that name at `key`; refused with the names there are. `deformables_only` leaves the rigid
-// ones out.
-BodyRef read_body_ref(ObjectReader& item, std::string_view key, const Scene& scene, bool deformables_only,
-                      const std::string& doc);
-// The same where the key may be absent.
-std::optional<BodyRef> read_optional_body_ref(ObjectReader& item, std::string_view key, const Scene& scene,
-                                              const std::string& doc);
-
 // "events" into scene.events and scene.handles; bodies are known already.
 void read_events(ObjectReader& root, Scene& scene);
 

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "scene_event_reader.h"
+#include "scene_body_ref.h"
 #include "scene_limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {

@@ -122,6 +122,9 @@ std::vector<json> scenes() {
           {"at": 0, "do": "move", "handle": "h", "keyframes": [{"time": 0.5, "position": [0, 1, 0]}]}])",
       R"([{"at": 0, "do": "pin", "handle": "h", "body": "cube", "vertices": [1]}])",
       R"([{"at": 0, "do": "pin", "handle": "h", "body": "cube", "near": [0, 0, 0], "radius": 0.1}])",
+      R"([{"at": 0, "do": "attach", "handle": "h", "body": "cube", "to": "floor", "vertices": [1], "max_force": 10,
+          "collide": true}])",
+      R"([{"at": 0, "do": "attach", "handle": "h", "body": "cube", "to": "floor", "near": [0, 0, 0], "radius": 0.1}])",
       R"([{"at": 0, "do": "impulse", "body": "cube", "impulse": [0, 1, 0], "near": [0, 0, 0]}])",
       R"([{"at": 0, "do": "toggle", "what": "gravity", "on": false}])",
   };

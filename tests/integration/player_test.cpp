@@ -8,6 +8,7 @@
 #include "metrics_state.h"
 #include "scene_reader.h"
 #include "sibling.h"
+#include "support/refusal.h"
 #include "trace_recorder.h"
 
 namespace softpoint::scene {
@@ -139,6 +140,41 @@ TEST(Player, APinKeepsItsVerticesApart) {
     const auto v = static_cast<std::size_t>(held.point);
     EXPECT_LT((player.deformable(0).points()[v] - before[v]).norm(), 1e-6);
   }
+}
+
+TEST(Player, AttachedVerticesStayWhereTheyAreOnTheirBody) {
+  json document = cube_and_box();
+  document["world"]["gravity"] = {0, 0, 0};
+  document["rigid_bodies"][1].update(
+      json::parse(R"({"position": [0.25, 0.5, 0], "velocity": [0, 1, 0], "angular_velocity": [1, 2, 3]})"));
+  document["events"] = json::parse(R"([{"at": 0, "do": "attach", "handle": "tie", "body": "cube", "to": "box",
+    "near": [0.1, 0.5, 0], "radius": "12 cm"},
+    {"at": 1, "do": "toggle", "what": "body", "body": "box", "on": false}])");
+  Player player(read(document));
+  player.step();
+  ASSERT_EQ(player.handles().held(0).size(), 5u);
+  for (int k = 0; k < 58; ++k) {
+    player.step();
+    for (const auto& held : player.handles().held(0)) {
+      const Vec3& point = player.deformable(0).points()[static_cast<std::size_t>(held.point)];
+      ASSERT_LT((point - player.handles().target(0, held)).norm(), 2e-6) << "frame " << k;
+    }
+  }
+  for (int k = 0; k < 5; ++k) {
+    player.step();
+  }
+  EXPECT_TRUE(player.handles().held(0).empty());
+  EXPECT_EQ(player.handles().force(0).norm(), 0.0);
+}
+
+TEST(Player, AttachedHandlesAreNotLed) {
+  json document = cube_and_box();
+  document["events"] = json::parse(R"([
+    {"at": 0, "do": "attach", "handle": "tie", "body": "cube", "to": "box", "vertices": [1]},
+    {"at": 0, "do": "move", "handle": "tie", "to": [0, 1, 0], "duration": 1}])");
+  expect_refusal([&] { read(document); }, {"/events/1", "tie", "attached to a body"});
+  document["events"][0]["to"] = "cube";
+  expect_refusal([&] { read(document); }, {"/events/0/to", "rigid body"});
 }
 
 TEST(Player, AnImpulseIsTheChangeOfMomentum) {
