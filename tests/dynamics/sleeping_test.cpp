@@ -327,6 +327,92 @@ TEST(Waking, ThroughAChainOfRigidBodiesDoesNotHop) {
   }
 }
 
+// A cube and a box that stand apart, tied by an anchor: Bullet's islands do not know that they belong
+// together.
+struct Tied {
+  explicit Tied(WorldKind kind)
+      : world(kind),
+        floor(world.add_floor()),
+        system(*world),
+        cube(model_of(Shape::cube, 1e6), Vec3(0, 0.202, 0)),
+        box(world.add_box(Vec3(0.1, 0.1, 0.1), 5, Vec3(0.6, 0.1, 0))) {
+    box.forceActivationState(ACTIVE_TAG);
+    system.add(cube);
+    world.step(60);
+    system.attach(cube, 0, box);
+    world.step(600);
+  }
+  bool all_asleep() const { return cube.asleep() && !box.isActive(); }
+  double fastest() const { return std::max(cube.max_speed(), double(box.getLinearVelocity().length())); }
+
+  TestWorld world;
+  btRigidBody& floor;
+  DeformableSystem system;
+  ElasticBody cube;
+  btRigidBody& box;
+};
+
+TEST(Sleeping, WhatIsTiedTogetherSleepsAndWakesTogether) {
+  for (const WorldKind kind : kWorlds) {
+    for (const bool by_the_box : {false, true}) {
+      Tied tied(kind);
+      ASSERT_TRUE(tied.all_asleep());
+      tied.world.step(60);
+      ASSERT_TRUE(tied.all_asleep());
+      if (by_the_box) {
+        tied.box.activate();
+        tied.box.applyCentralImpulse(btVector3(0, 0, btScalar(1e-6)));
+      } else {
+        tied.cube.apply_impulse(0, Vec3(1, 0, 0), Vec3(1e-6, 0, 0));
+      }
+      double fastest = 0;
+      for (int i = 0; i < 60; ++i) {
+        tied.world.step();
+        EXPECT_FALSE(tied.cube.asleep());
+        EXPECT_TRUE(tied.box.isActive());
+        fastest = std::max(fastest, tied.fastest());
+      }
+      std::printf("    world %d: fastest %.1e m/s\n", int(kind), fastest);
+      EXPECT_LT(fastest, 1e-3);
+      tied.world.step(400);
+      EXPECT_TRUE(tied.all_asleep());
+    }
+  }
+}
+
+TEST(Sleeping, NoOneSleepsWhoIsTiedToTheRestless) {
+  Tied tied(WorldKind::discrete);
+  tied.box.forceActivationState(DISABLE_DEACTIVATION);
+  tied.world.step(600);
+  EXPECT_FALSE(tied.cube.asleep());
+}
+
+TEST(Waking, ByLosingWhatItHangsOn) {
+  TestWorld world;
+  btRigidBody& hook = world.add_box(Vec3(0.1, 0.1, 0.1), 0, Vec3(0, 0.9, 0));
+  DeformableSystem system(*world);
+  ElasticBody body(model_of(Shape::cube, 1e6), Vec3::Zero());
+  system.add(body);
+  for (int v = 0; v < int(body.points().size()); ++v) {
+    if (body.points()[std::size_t(v)].y() > 0.19) system.attach(body, v, hook);
+  }
+  world.step(900);
+  ASSERT_TRUE(body.asleep());
+  const double height = body.center_of_mass().y();
+  btTransform pose = hook.getWorldTransform();
+  pose.getOrigin() += btVector3(0, btScalar(0.01), 0);
+  hook.setWorldTransform(pose);
+  world.step();
+  EXPECT_FALSE(body.asleep());
+  world.step(900);
+  ASSERT_TRUE(body.asleep());
+  EXPECT_NEAR(body.center_of_mass().y(), height + 0.01, 1e-4);
+  world.erase(hook);
+  world.step(30);
+  EXPECT_FALSE(body.asleep());
+  EXPECT_LT(body.center_of_mass().y(), height - 0.5);
+}
+
 TEST(Sleeping, IsForbiddenByBulletsSwitches) {
   for (const int way : {0, 1, 2}) {
     TestWorld world;

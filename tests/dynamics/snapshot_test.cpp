@@ -133,6 +133,40 @@ TEST(Snapshot, OfSleepingBodiesSleepsAndWakesTheSame) {
   EXPECT_EQ(first_difference(first, on(other)), -1);
 }
 
+TEST(Snapshot, OfAnchorsGoesOnAsItsFlushedTwin) {
+  struct Hanging {
+    Hanging()
+        : system(*world),
+          body(model_of(Shape::part, 1e5), Vec3(0, 1, 0)),
+          hook(world.add_box(Vec3(0.1, 0.1, 0.1), 0, Vec3(0, 1.8, 0))),
+          load(world.add_box(Vec3(0.1, 0.1, 0.1), 4, Vec3(0.1, 0.3, 0))) {
+      system.add(body);
+      system.attach(body, 0, hook);
+      handle = system.attach(body, 40, load, 200, true);
+    }
+    TestWorld world;
+    DeformableSystem system;
+    ElasticBody body;
+    btRigidBody& hook;
+    btRigidBody& load;
+    HandleId handle = 0;
+  };
+  Hanging scene;
+  scene.world.step(30);
+  const Snapshot snapshot = scene.system.save(SnapshotScope::world);
+  scene.system.flush_contact_caches();
+  const auto first = play(scene.world, scene.system, 300);
+  const Vec3 force = scene.system.handle_force(scene.handle);
+  scene.system.release(scene.handle);
+  scene.system.restore(snapshot);
+  EXPECT_TRUE(scene.system.holds(scene.handle));
+  EXPECT_EQ(first_difference(first, play(scene.world, scene.system, 300)), -1);
+  Hanging other;
+  other.system.restore(snapshot);
+  EXPECT_EQ(first_difference(first, play(other.world, other.system, 300)), -1);
+  EXPECT_EQ(other.system.handle_force(other.handle), force);
+}
+
 TEST(Snapshot, FlushedWhileAsleepItStillNoticesWhatIsLost) {
   TestWorld world;
   btRigidBody& table = world.add_box(Vec3(0.5, 0.1, 0.5), 0, Vec3(0, -0.1, 0));

@@ -142,7 +142,6 @@ int ArticulatedBody::touch(int link) {
   Slot& slot = slots_[at(added)];
   slot.body = link + 1;
   slot.impulse.setZero();
-  slot.force = slot.torque = btVector3(0, 0, 0);
   fill_jacobian(slot.body, slot.jacobian);
   slot.answer = slot.jacobian.transpose();
   for (int column = 0; column < 6; ++column) {
@@ -197,21 +196,19 @@ void ArticulatedBody::load(bool as_forces, double dt) {
     return;
   }
   // As velocities they would change the gyroscopic forces that Bullet is about to compute.
-  lent_ = true;
   for (int s = 0; s < used_; ++s) {
-    Slot& slot = slots_[at(s)];
-    slot.force = to_bullet(slot.impulse.head<3>() / dt);
-    slot.torque = to_bullet(slot.impulse.tail<3>() / dt);
-    add_force(slot.body - 1, slot.force, slot.torque);
+    const Slot& slot = slots_[at(s)];
+    lent_.push_back(
+        {slot.body - 1, to_bullet(slot.impulse.head<3>() / dt), to_bullet(slot.impulse.tail<3>() / dt)});
+    add_force(lent_.back().link, lent_.back().force, lent_.back().torque);
   }
 }
 
 void ArticulatedBody::take_back_forces() {
-  for (int s = 0; lent_ && s < used_; ++s) {
-    const Slot& slot = slots_[at(s)];
-    add_force(slot.body - 1, -slot.force, -slot.torque);
+  for (const Lent& lent : lent_) {
+    add_force(lent.link, -lent.force, -lent.torque);
   }
-  lent_ = false;
+  lent_.clear();
 }
 
 void ArticulatedBody::add_force(int link, const btVector3& force, const btVector3& torque) {

@@ -46,7 +46,6 @@ class ArticulatedBody {
     int body = 0;
     bool movable = false;
     Twist impulse;                                      // N s and N m s, sum of push()
-    btVector3 force, torque;                            // lent by load()
     Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // twist per coordinate velocity
     Eigen::Matrix<double, Eigen::Dynamic, 6> answer;    // coordinate velocities per impulse and moment
   };
@@ -77,7 +76,11 @@ class ArticulatedBody {
   int used_ = 0;
   std::vector<Response> responses_;
   int stride_ = 0;
-  bool lent_ = false;
+  struct Lent {  // by load()
+    int link;
+    btVector3 force, torque;
+  };
+  std::vector<Lent> lent_;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

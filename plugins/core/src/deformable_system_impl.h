@@ -102,6 +102,12 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void add_pair(int body, const btCollisionObject* other);
   bool surroundings_moved(const Deformable& body) const;
   bool is_quiet(const Deformable& body) const;
+  void settle_rest(double dt);  // who agrees to sleep
+  bool ties_agree(const Deformable& body, double dt) const;
+  bool tied_to_awake(const Deformable& body) const;
+  void collect_islands(const Deformable& body);
+  bool in_islands(const btCollisionObject& object) const;
+  void rouse_mates(const Deformable& body, double dt);
 
   void archive_object(StateArchive& archive, const btCollisionObject*& object);
   void archive_handle(StateArchive& archive, Handle& held);
@@ -146,6 +152,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   };
   std::vector<RestingContact> resting_contacts_;
   std::vector<Surrounding> surroundings_;
+  std::vector<int> islands_;  // of one body and what it is tied to
   btVector3 known_gravity_;
   ContactSolver solver_;
   SupportContacts support_;

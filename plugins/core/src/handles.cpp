@@ -44,6 +44,7 @@ void DeformableSystem::Impl::release_lost_anchors() {
         return false;
       }
       let_go(held);
+      std::erase_if(surroundings_, [&](const Surrounding& near) { return near.object == held.object; });
       bodies[static_cast<std::size_t>(held.body)]->activate(true);  // what it hung on is gone
       ++profile.totals.anchors_released;
       return true;

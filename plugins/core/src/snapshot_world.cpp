@@ -233,7 +233,12 @@ void DeformableSystem::Impl::drop_unpaired() {
     }
   }
   std::erase_if(resting_contacts_, [&](const RestingContact& resting) { return gone(resting.contact); });
-  std::erase_if(surroundings_, [&](const Surrounding& near) { return apart(near.body, near.object); });
+  std::erase_if(surroundings_, [&](const Surrounding& near) {
+    const bool tied = std::any_of(resting_handles_.begin(), resting_handles_.end(), [&](const Handle& held) {
+      return held.object == near.object && bodies[static_cast<std::size_t>(held.body)] == near.body;
+    });
+    return !tied && apart(near.body, near.object);
+  });
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -295,8 +295,8 @@ void DeformableSystem::Impl::commit(double dt) {
         ++profile.totals.guard_fired;
         forget_impulses(index_of(body));
       }
-      body->update_deactivation(dt, is_quiet(*body));
     }
+    settle_rest(dt);
   }
   StageTimer timer(profile.seconds.mirror);
   for (Deformable* body : bodies) {

@@ -115,7 +115,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void mirror(double dt);
   void archive(StateArchive& archive);
   void fall_asleep();
-  void update_deactivation(double dt, bool quiet);
+  bool rested(double dt, bool quiet);
   void build_mirror();
 
   btSoftBodyWorldInfo world_info_;
