@@ -94,8 +94,8 @@ struct Depths {
   }
 };
 
-// The law holds for ordinary drops on every shape. Blows of a soft 100 kg body at more than 5 m/s or on
-// something free that is lighter are known to exceed it for some frames (bounds in the README of core).
+// The law holds for ordinary drops on every shape. Blows of a soft 100 kg body at more than 5 m/s or on something
+// free that is lighter are known to exceed it for some frames (bounds in the README of core).
 bool in_law(const Drop& c) { return c.speed < 4 && c.mass == 0; }
 double vertex_limit(const Drop& c) { return in_law(c) ? kVertexDepth : 5e-3; }
 double corner_limit(const Drop& c) { return in_law(c) ? kCornerDepth : 15e-3; }
