@@ -79,6 +79,8 @@ function(softpoint_compile_settings target)
   endif()
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
+    UNITY_BUILD ${SOFTPOINT_UNITY}
+    UNITY_BUILD_BATCH_SIZE 12
     CXX_VISIBILITY_PRESET ${visibility}
     VISIBILITY_INLINES_HIDDEN ON)
 endfunction()

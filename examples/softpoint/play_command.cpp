@@ -23,7 +23,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-struct Options {
+struct PlayOptions {
   std::string scene, out, size, metrics, trace, precision;
   int frames = 0;
   bool video = false, no_pictures = false;
@@ -72,7 +72,7 @@ std::optional<std::pair<int, int>> parse_size(const std::string& text) {
   return std::pair(width, height);
 }
 
-int run(const Options& options, const std::vector<std::string>& arguments) {
+int play(const PlayOptions& options, const std::vector<std::string>& arguments) {
   if (!options.precision.empty()) {
     exec_sibling(options.precision == "double" ? Precision::kDouble : Precision::kSingle, arguments);
   }
@@ -152,7 +152,7 @@ int run(const Options& options, const std::vector<std::string>& arguments) {
 }  // namespace
 
 Command add_play_command(CLI::App& program, const std::vector<std::string>& arguments) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlayOptions>();
   CLI::App* app = program.add_subcommand("play", "Play a scene: pictures, film, measurements");
   app->add_option("SCENE", options->scene, "Scene file (JSON; see: softpoint schema play)")->required();
   app->add_option("--out", options->out, "Folder for pictures and film; out/<name of the scene>");
@@ -168,7 +168,7 @@ Command add_play_command(CLI::App& program, const std::vector<std::string>& argu
   app->add_option("--trace", options->trace, "Write a row a frame (CSV)");
   app->add_option("--precision", options->precision, "Of Bullet's numbers; this program's own if absent")
       ->check(CLI::IsMember({"single", "double"}));
-  return {app, [options, arguments] { return run(*options, arguments); }};
+  return {app, [options, arguments] { return play(*options, arguments); }};
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

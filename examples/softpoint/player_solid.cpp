@@ -14,7 +14,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -31,19 +31,19 @@ ConvexSolid::ConvexSolid(const ShapeSpec& shape) : shape_(shape) {
       reach_ = 0.5 * shape.size.norm();
       break;
     case ShapeKind::kSphere:
-      volume_ = 4.0 / 3.0 * kPi * r * r * r;
+      volume_ = 4.0 / 3.0 * pi * r * r * r;
       reach_ = r;
       break;
     case ShapeKind::kCapsule:
-      volume_ = kPi * r * r * (l + 4.0 / 3.0 * r);
+      volume_ = pi * r * r * (l + 4.0 / 3.0 * r);
       reach_ = 0.5 * l + r;
       break;
     case ShapeKind::kCylinder:
-      volume_ = kPi * r * r * l;
+      volume_ = pi * r * r * l;
       reach_ = std::hypot(r, 0.5 * l);
       break;
     case ShapeKind::kCone:
-      volume_ = kPi * r * r * l / 3.0;
+      volume_ = pi * r * r * l / 3.0;
       center_[shape.axis] = -0.25 * l;
       reach_ = std::hypot(r, 0.5 * l);
       break;

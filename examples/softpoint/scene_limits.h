@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <string_view>
+
+#include "json_reader.h"
 #include "softpoint/core/limits.h"
 
 // Permitted ranges of documents where no law of its own sets one: far beyond any use, near enough that what
@@ -14,5 +18,10 @@ inline constexpr double kMaxDirection = 1e6;                  // of a component,
 inline constexpr double kMaxMass = 1e12, kMinMass = 1e-9;     // kg, of rigid bodies that move
 inline constexpr double kMaxForce = 1e12;                     // N
 inline constexpr double kMaxScale = 1e6;                      // of a file's lengths; its inverse is the least
+
+inline double length(ObjectReader& reader, std::string_view key, const std::string& doc = "") {
+  return reader.number(key,
+                       {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = doc});
+}
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

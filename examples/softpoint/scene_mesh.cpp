@@ -14,17 +14,12 @@ namespace {
 // What the reader of a kind gives: made once the document is known to be there.
 using MakeMesh = std::function<TriangleMesh()>;
 
-double length(ObjectReader& reader, std::string_view key, const std::string& doc) {
-  return reader.number(key,
-                       {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = doc});
-}
-
 int count(ObjectReader& reader, std::string_view key, int low, int fallback, const std::string& doc) {
   return reader.integer(key, {.low = low, .high = 1000, .fallback = fallback, .doc = doc});
 }
 
 MakeMesh read_sphere(ObjectReader& reader) {
-  const double radius = length(reader, "radius", "");
+  const double radius = length(reader, "radius");
   const int subdivisions = reader.integer(
       "subdivisions",
       {.low = 0, .high = 6, .fallback = 2, .doc = "of an icosahedron: 12, 42, 162 ... vertices"});
@@ -54,7 +49,7 @@ MakeMesh read_prism(ObjectReader& reader) {
   const int sides = count(reader, "sides", 3, 16, "");
   const int stacks = count(reader, "stacks", 1, 4, "layers of the side");
   const int cap_rings = count(reader, "cap_rings", 1, 1, "rings of each cap");
-  const double radius = length(reader, "radius", "");
+  const double radius = length(reader, "radius");
   const double height = length(reader, "length", "along z");
   const auto meaning = reader.choice<PrismRadius>(
       "radius_of", {{"corners", PrismRadius::kCircumscribed}, {"equal_area", PrismRadius::kEqualArea}},
@@ -63,7 +58,7 @@ MakeMesh read_prism(ObjectReader& reader) {
 }
 
 MakeMesh read_capsule(ObjectReader& reader) {
-  const double radius = length(reader, "radius", "");
+  const double radius = length(reader, "radius");
   const double height = length(reader, "length", "of the cylinder, along z, without the half spheres");
   const int sectors = count(reader, "sectors", 3, 16, "round the axis");
   const int stacks = count(reader, "stacks", 1, 4, "layers of the cylinder");

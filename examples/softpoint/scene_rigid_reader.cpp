@@ -11,10 +11,6 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-double length(ObjectReader& item, std::string_view key, const std::string& doc = "") {
-  return item.number(key, {.quantity = Quantity::kLength, .low = kMinLength, .high = kMaxLength, .doc = doc});
-}
-
 Mat3 read_rotation(ObjectReader& item) {
   const bool by_axis = item.has("axis") || item.has("angle");
   const bool by_euler = item.has("euler"), by_quaternion = item.has("quaternion");

@@ -10,12 +10,12 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-struct Options {
+struct SchemaOptions {
   std::string command;
   bool markdown = false;
 };
 
-int run(const Options& options) {
+int schema(const SchemaOptions& options) {
   for (const DocumentKind& kind : document_kinds()) {
     if (!options.command.empty() && options.command != kind.command) {
       continue;
@@ -32,7 +32,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command add_schema_command(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SchemaOptions>();
   CLI::App* app = program.add_subcommand("schema", "Print what the documents may hold");
   std::vector<std::string> names;
   for (const DocumentKind& kind : document_kinds()) {
@@ -41,7 +41,7 @@ Command add_schema_command(CLI::App& program) {
   app->add_option("COMMAND", options->command, "Only the documents of this command")
       ->check(CLI::IsMember(names));
   app->add_flag("--markdown", options->markdown, "Print tables in Markdown");
-  return {app, [options] { return run(*options); }};
+  return {app, [options] { return schema(*options); }};
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

@@ -11,12 +11,12 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-struct Options {
+struct SolveOptions {
   std::string problem;
   std::string out;
 };
 
-int run(const Options& options) {
+int solve(const SolveOptions& options) {
   // Before the work, not after it.
   check_writable(options.out);
   const elastic::StaticProblem problem = read_static_problem(options.problem);
@@ -36,12 +36,12 @@ int run(const Options& options) {
 }  // namespace
 
 Command add_solve_command(CLI::App& program) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SolveOptions>();
   CLI::App* app = program.add_subcommand("solve", "Elastostatics of one body");
   app->add_option("PROBLEM", options->problem, "Problem file (JSON; see: softpoint schema solve)")
       ->required();
   app->add_option("--out", options->out, "Result file (JSON)")->required();
-  return {app, [options] { return run(*options); }};
+  return {app, [options] { return solve(*options); }};
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

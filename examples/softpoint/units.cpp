@@ -11,21 +11,21 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 constexpr std::array kLengths{Unit{"m", 1, 1}, Unit{"cm", 1, 100}, Unit{"mm", 1, 1000}, Unit{"km", 1000, 1}};
 constexpr std::array kAreas{Unit{"m2", 1, 1}, Unit{"cm2", 1, 1e4}, Unit{"mm2", 1, 1e6}};
 constexpr std::array kMasses{Unit{"kg", 1, 1}, Unit{"g", 1, 1000}, Unit{"t", 1000, 1}};
 constexpr std::array kTimes{Unit{"s", 1, 1}, Unit{"ms", 1, 1000}, Unit{"min", 60, 1}};
 constexpr std::array kFrequencies{Unit{"Hz", 1, 1}, Unit{"kHz", 1000, 1}};
-constexpr std::array kAngles{Unit{"rad", 1, 1}, Unit{"deg", kPi, 180}};
+constexpr std::array kAngles{Unit{"rad", 1, 1}, Unit{"deg", pi, 180}};
 constexpr std::array kPressures{Unit{"Pa", 1, 1}, Unit{"kPa", 1e3, 1}, Unit{"MPa", 1e6, 1},
                                 Unit{"GPa", 1e9, 1}};
 constexpr std::array kDensities{Unit{"kg/m3", 1, 1}, Unit{"g/cm3", 1000, 1}};
 constexpr std::array kAreaDensities{Unit{"kg/m2", 1, 1}, Unit{"g/m2", 1, 1000}};
 constexpr std::array kVelocities{Unit{"m/s", 1, 1}, Unit{"cm/s", 1, 100}, Unit{"mm/s", 1, 1000},
                                  Unit{"km/h", 1, 3.6}};
-constexpr std::array kAngularVelocities{Unit{"rad/s", 1, 1}, Unit{"deg/s", kPi, 180}, Unit{"rpm", kPi, 30}};
+constexpr std::array kAngularVelocities{Unit{"rad/s", 1, 1}, Unit{"deg/s", pi, 180}, Unit{"rpm", pi, 30}};
 constexpr std::array kAccelerations{Unit{"m/s2", 1, 1}, Unit{"cm/s2", 1, 100}};
 constexpr std::array kForces{Unit{"N", 1, 1}, Unit{"mN", 1, 1000}, Unit{"kN", 1000, 1}};
 constexpr std::array kTorques{Unit{"N m", 1, 1}, Unit{"kN m", 1000, 1}};

@@ -16,7 +16,7 @@ namespace {
 
 using elastic::ElasticBody;
 
-std::string name_of(const ::testing::TestParamInfo<WorldKind>& kind) {
+std::string anchor_world(const ::testing::TestParamInfo<WorldKind>& kind) {
   const char* names[] = {"Discrete", "MultiBody", "SoftRigid", "SoftMultiBody", "Deformable"};
   return names[static_cast<int>(kind.param)];
 }
@@ -25,13 +25,13 @@ class Anchor : public ::testing::TestWithParam<WorldKind> {};
 INSTANTIATE_TEST_SUITE_P(Worlds, Anchor,
                          ::testing::Values(WorldKind::discrete, WorldKind::multibody, WorldKind::soft_rigid,
                                            WorldKind::soft_multibody, WorldKind::deformable),
-                         name_of);
+                         anchor_world);
 
 class LinkAnchor : public ::testing::TestWithParam<WorldKind> {};
 INSTANTIATE_TEST_SUITE_P(Worlds, LinkAnchor,
                          ::testing::Values(WorldKind::multibody, WorldKind::soft_multibody,
                                            WorldKind::deformable),
-                         name_of);
+                         anchor_world);
 
 Vec3 point_of(const Deformable& body, int point) { return body.points()[static_cast<std::size_t>(point)]; }
 

@@ -39,7 +39,7 @@ struct Forbid final : btOverlapFilterCallback {
 
 class Filter : public ::testing::TestWithParam<std::tuple<WorldKind, Obstacle, Way>> {};
 
-std::string name_of(const ::testing::TestParamInfo<Filter::ParamType>& info) {
+std::string filter_name(const ::testing::TestParamInfo<Filter::ParamType>& info) {
   const char* worlds[] = {"Discrete", "MultiBody", "SoftRigid", "SoftMultiBody", "Deformable"};
   const char* obstacles[] = {"Rigid", "Link", "Ahead"};
   const char* ways[] = {"None",         "GroupOfBody",    "MaskOfBody",       "GroupAndMaskOfObject",
@@ -64,13 +64,13 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Combine(::testing::Values(WorldKind::discrete, WorldKind::multibody, WorldKind::soft_rigid,
                                          WorldKind::soft_multibody, WorldKind::deformable),
                        ::testing::Values(Obstacle::rigid, Obstacle::ahead), ::testing::ValuesIn(kEveryWay)),
-    name_of);
+    filter_name);
 INSTANTIATE_TEST_SUITE_P(Links, Filter,
                          ::testing::Combine(::testing::Values(WorldKind::multibody, WorldKind::soft_multibody,
                                                               WorldKind::deformable),
                                             ::testing::Values(Obstacle::link),
                                             ::testing::ValuesIn(kWaysOfLinks)),
-                         name_of);
+                         filter_name);
 
 TEST_P(Filter, ForbidsAContact) {
   const auto [kind, obstacle, way] = GetParam();

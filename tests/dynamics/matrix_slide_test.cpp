@@ -12,7 +12,7 @@ namespace {
 constexpr double kFriction = 0.5;
 constexpr double kDrift = 1e-4;  // m/s at rest
 constexpr double kStiff = 1e7;   // Pa
-constexpr double kLaw = 0.06;      // of the acceleration by Coulomb's law, 1 % above the angle
+constexpr double kLaw = 0.06;    // of the acceleration by Coulomb's law, 1 % above the angle
 constexpr double kGravity = 9.81;
 
 // Mean acceleration (m/s^2) by the law on a slope.
@@ -84,10 +84,10 @@ TEST_P(MatrixSlideOn, BeginsAtTheAngleOfFriction) { judge(GetParam(), slide_on);
 TEST_P(MatrixSlideOf, BeginsAtTheAngleOfFriction) { judge(GetParam(), slide_of); }
 
 bool slides(Zoo kind) { return may_move(kind) && kind != Zoo::deformable; }
-std::string cell_name(const ::testing::TestParamInfo<Cell>& info) { return name_of(info.param); }
+std::string slide_name(const ::testing::TestParamInfo<Cell>& info) { return name_of(info.param); }
 
-INSTANTIATE_TEST_SUITE_P(Cells, MatrixSlideOn, ::testing::ValuesIn(cells(has_flat_side)), cell_name);
-INSTANTIATE_TEST_SUITE_P(Cells, MatrixSlideOf, ::testing::ValuesIn(cells(slides)), cell_name);
+INSTANTIATE_TEST_SUITE_P(Cells, MatrixSlideOn, ::testing::ValuesIn(cells(has_flat_side)), slide_name);
+INSTANTIATE_TEST_SUITE_P(Cells, MatrixSlideOf, ::testing::ValuesIn(cells(slides)), slide_name);
 
 }  // namespace
 }  // namespace softpoint

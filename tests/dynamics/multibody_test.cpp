@@ -18,7 +18,7 @@ using Joint = ChainSettings::Joint;
 
 class Multibody : public ::testing::TestWithParam<WorldKind> {};
 
-std::string name_of(const ::testing::TestParamInfo<WorldKind>& kind) {
+std::string multibody_world(const ::testing::TestParamInfo<WorldKind>& kind) {
   const char* names[] = {"Discrete", "MultiBody", "SoftRigid", "SoftMultiBody", "Deformable"};
   return names[static_cast<int>(kind.param)];
 }
@@ -26,7 +26,7 @@ std::string name_of(const ::testing::TestParamInfo<WorldKind>& kind) {
 INSTANTIATE_TEST_SUITE_P(Worlds, Multibody,
                          ::testing::Values(WorldKind::multibody, WorldKind::soft_multibody,
                                            WorldKind::deformable),
-                         name_of);
+                         multibody_world);
 
 // A step of the chain is measured against a twin without the body, in the pose the step began with: the
 // difference is what the body gave. Bullet's own Euler step keeps the momentum of a moving chain only to

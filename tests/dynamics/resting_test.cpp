@@ -14,7 +14,7 @@ namespace {
 
 using elastic::ElasticBody;
 
-struct Rest {
+struct LoadedCube {
   double young;
   double half;  // m, of the box
   double mass;  // kg
@@ -23,15 +23,15 @@ struct Rest {
   double settle;  // s
 };
 
-void PrintTo(const Rest& c, std::ostream* out) {
+void PrintTo(const LoadedCube& c, std::ostream* out) {
   *out << "E " << c.young << " Pa, box of " << 2 * c.half << " m and " << c.mass << " kg at "
        << c.offset.transpose();
 }
 
-class RestingBox : public ::testing::TestWithParam<Rest> {};
+class RestingBox : public ::testing::TestWithParam<LoadedCube> {};
 
 TEST_P(RestingBox, HasNoVerticalSpeedAndItsWeightIsReadable) {
-  const Rest& c = GetParam();
+  const LoadedCube& c = GetParam();
   TestWorld world;
   btRigidBody& floor = world.add_floor();
   DeformableSystem system(*world);
@@ -69,17 +69,17 @@ TEST_P(RestingBox, HasNoVerticalSpeedAndItsWeightIsReadable) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, RestingBox,
-                         ::testing::Values(Rest{1e5, 0.1, 5, Vec3::Zero(), Shape::cube, 8},
-                                           Rest{1e5, 0.1, 50, Vec3::Zero(), Shape::cube, 12},
-                                           Rest{1e5, 0.06, 2, Vec3(0.03, 0, 0.02), Shape::cube, 8},
-                                           Rest{1e6, 0.1, 20, Vec3::Zero(), Shape::cube, 5},
-                                           Rest{1e6, 0.15, 50, Vec3(0.02, 0, 0), Shape::cube, 5},
-                                           Rest{1e6, 0.3, 20, Vec3::Zero(), Shape::cube, 5},
-                                           Rest{1e7, 0.1, 5, Vec3(0.05, 0, -0.03), Shape::cube, 5},
-                                           Rest{1e7, 0.1, 200, Vec3::Zero(), Shape::cube, 5},
-                                           Rest{1e5, 0.1, 5, Vec3::Zero(), Shape::part, 8},
-                                           Rest{1e6, 0.1, 20, Vec3(0.02, 0, 0.05), Shape::part, 5},
-                                           Rest{1e7, 0.2, 50, Vec3::Zero(), Shape::part, 5}));
+                         ::testing::Values(LoadedCube{1e5, 0.1, 5, Vec3::Zero(), Shape::cube, 8},
+                                           LoadedCube{1e5, 0.1, 50, Vec3::Zero(), Shape::cube, 12},
+                                           LoadedCube{1e5, 0.06, 2, Vec3(0.03, 0, 0.02), Shape::cube, 8},
+                                           LoadedCube{1e6, 0.1, 20, Vec3::Zero(), Shape::cube, 5},
+                                           LoadedCube{1e6, 0.15, 50, Vec3(0.02, 0, 0), Shape::cube, 5},
+                                           LoadedCube{1e6, 0.3, 20, Vec3::Zero(), Shape::cube, 5},
+                                           LoadedCube{1e7, 0.1, 5, Vec3(0.05, 0, -0.03), Shape::cube, 5},
+                                           LoadedCube{1e7, 0.1, 200, Vec3::Zero(), Shape::cube, 5},
+                                           LoadedCube{1e5, 0.1, 5, Vec3::Zero(), Shape::part, 8},
+                                           LoadedCube{1e6, 0.1, 20, Vec3(0.02, 0, 0.05), Shape::part, 5},
+                                           LoadedCube{1e7, 0.2, 50, Vec3::Zero(), Shape::part, 5}));
 
 TEST(RestingBody, ContactForcesCarryTheWeight) {
   for (const Shape shape : {Shape::cube, Shape::ball, Shape::part}) {

@@ -14,7 +14,7 @@
 namespace softpoint::elastic {
 namespace {
 
-TriangleMesh cube() { return box_grid(1, 1, 1, Vec3(0.4, 0.4, 0.4)); }
+TriangleMesh small_cube() { return box_grid(1, 1, 1, Vec3(0.4, 0.4, 0.4)); }
 
 ElasticSettings without_cache() {
   ElasticSettings settings;
@@ -23,7 +23,7 @@ ElasticSettings without_cache() {
 }
 
 std::shared_ptr<const ElasticModel> model() {
-  static const auto made = make_elastic_model(cube(), {}, without_cache());
+  static const auto made = make_elastic_model(small_cube(), {}, without_cache());
   return made;
 }
 
@@ -85,7 +85,7 @@ TEST(EveryField, OfAMaterial) {
   expect_every_field<Material>(
       {}, [](Material& s) { return fields_of(s); },
       [](const Material& material) {
-        return lives_finitely(make_elastic_model(cube(), material, without_cache()));
+        return lives_finitely(make_elastic_model(small_cube(), material, without_cache()));
       });
 }
 
@@ -93,7 +93,7 @@ TEST(EveryField, OfElasticSettings) {
   expect_every_field<ElasticSettings>(
       without_cache(), [](ElasticSettings& s) { return fields_of(s); },
       [](const ElasticSettings& settings) {
-        return lives_finitely(make_elastic_model(cube(), {}, settings));
+        return lives_finitely(make_elastic_model(small_cube(), {}, settings));
       });
 }
 
@@ -101,7 +101,7 @@ TEST(EveryField, AnInstructionSetIsOneOfTheNamedOnes) {
   for (const int bad : {-1, 3, 1000}) {
     ElasticSettings settings = without_cache();
     settings.stiffness.max_instruction_set = static_cast<InstructionSet>(bad);
-    expect_refusal([&] { make_elastic_model(cube(), {}, settings); },
+    expect_refusal([&] { make_elastic_model(small_cube(), {}, settings); },
                    {"max_instruction_set = " + std::to_string(bad), "permitted is 0 to 2"});
   }
 }
@@ -109,7 +109,7 @@ TEST(EveryField, AnInstructionSetIsOneOfTheNamedOnes) {
 TEST(EveryField, AFolderWithAZeroByteIsRefused) {
   ElasticSettings settings;
   settings.cache.folder = std::string("a\0b", 3);
-  expect_refusal([&] { make_elastic_model(cube(), {}, settings); }, {"cache.folder", "permitted"});
+  expect_refusal([&] { make_elastic_model(small_cube(), {}, settings); }, {"cache.folder", "permitted"});
 }
 
 // Stiff against its masses beyond what doubles can tell apart.
@@ -117,15 +117,15 @@ TEST(EveryField, AModulusThatDrownsTheMassesIsRefusedWithTheLargestThatDoesNot) 
   ElasticSettings settings = without_cache();
   settings.time_step = 1.0;
   const Material material{.young = 1e15, .poisson = 0.3, .density = 1e-6};
-  const std::string message = refusal([&] { make_elastic_model(cube(), material, settings); });
+  const std::string message = refusal([&] { make_elastic_model(small_cube(), material, settings); });
   EXPECT_NE(message.find("young = 1e+15: permitted is up to "), std::string::npos) << message;
   const double largest = std::stod(message.substr(message.find("up to ") + 6));
-  EXPECT_TRUE(lives_finitely(make_elastic_model(cube(), {0.99 * largest, 0.3, 1e-6}, settings)));
+  EXPECT_TRUE(lives_finitely(make_elastic_model(small_cube(), {0.99 * largest, 0.3, 1e-6}, settings)));
 }
 
 TEST(EveryField, OfTheMeshOfABody) {
   expect_every_field<TriangleMesh>(
-      cube(),
+      small_cube(),
       [](TriangleMesh& mesh) {
         auto& [vertices, triangles] = mesh;
         Fields fields;
@@ -186,7 +186,7 @@ TEST(EveryField, RefusedVelocitiesChangeNothing) {
 // One end held, the other pulled, under gravity.
 StaticProblem problem() {
   StaticProblem p;
-  p.mesh = cube();
+  p.mesh = small_cube();
   HeldVertices held;
   FaceTraction pulled;
   for (int v = 0; v < p.mesh.vertex_count(); ++v) {

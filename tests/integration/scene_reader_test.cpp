@@ -17,7 +17,7 @@ using nlohmann::json;
 
 const std::filesystem::path kExamples = SOFTPOINT_EXAMPLES_FOLDER;
 
-Scene read(const json& document) {
+Scene read_example(const json& document) {
   Scene scene;
   const DeformablePlugins plugins = deformable_plugins();
   read_json_text(document.dump(), "scene.json", kExamples / "scenes",
@@ -60,7 +60,7 @@ TEST(SceneReader, UnderstandsUnitsPlacesAndDefaults) {
   document["world"] = {{"kind", "deformable"}, {"time_step", "10 ms"}, {"substeps", 4}};
   document.erase("frames");
   document["duration"] = 0.5;
-  const Scene scene = read(document);
+  const Scene scene = read_example(document);
   const RigidBodySpec& crate = scene.rigid_bodies[1];
   EXPECT_LT((crate.placement.rotation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
   EXPECT_EQ(crate.motion.linear, Vec3(10, 0, 0));
@@ -77,7 +77,7 @@ TEST(SceneReader, AllThreeFormsOfAnOrientationAgree) {
                            json{{"quaternion", {1, 0, 0, std::sqrt(3.0)}}}}) {
     json document = valid();
     document["rigid_bodies"][1]["orientation"] = form;
-    rotations.push_back(read(document).rigid_bodies[1].placement.rotation);
+    rotations.push_back(read_example(document).rigid_bodies[1].placement.rotation);
   }
   EXPECT_LT((rotations[0] - rotations[1]).norm(), 1e-15);
   EXPECT_LT((rotations[0] - rotations[2]).norm(), 1e-15);
@@ -86,7 +86,7 @@ TEST(SceneReader, AllThreeFormsOfAnOrientationAgree) {
 TEST(SceneReader, PutsEventsInOrderOfTime) {
   json document = valid();
   std::swap(document["events"][1], document["events"][2]);
-  const Scene scene = read(document);
+  const Scene scene = read_example(document);
   EXPECT_TRUE(std::is_sorted(scene.events.begin(), scene.events.end(),
                              [](const Event& a, const Event& b) { return a.at < b.at; }));
 }
@@ -104,7 +104,7 @@ TEST_P(SceneRefusal, NamesFilePlaceValueAndWhatIsPermitted) {
   GetParam().spoil(document);
   std::vector<std::string> fragments = GetParam().fragments;
   fragments.push_back("scene.json: ");
-  expect_refusal([&] { read(document); }, fragments);
+  expect_refusal([&] { read_example(document); }, fragments);
 }
 
 const Spoilt kSpoilt[] = {

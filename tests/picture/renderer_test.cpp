@@ -1,10 +1,13 @@
 #include "shapes.h"
+
+#include <numbers>
+
 #include "support.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using std::numbers::pi;
 
 TEST(Renderer, SphereCoversTheAreaOfItsCone) {
   const RenderSettings settings = plain_settings(320, 240);
@@ -16,9 +19,9 @@ TEST(Renderer, SphereCoversTheAreaOfItsCone) {
   renderer.draw_mesh(ball, red);
   const Image image = renderer.finish();
   // The tangent cone of the unit sphere at distance 5 has sin(angle) = 1/5.
-  const double pixels_per_unit = 0.5 * settings.height / std::tan(20 * kPi / 180);
+  const double pixels_per_unit = 0.5 * settings.height / std::tan(20 * pi / 180);
   const double radius = std::tan(std::asin(1.0 / 5)) * pixels_per_unit;
-  const double expected = kPi * radius * radius;
+  const double expected = pi * radius * radius;
   double covered = 0;  // fully white pixels count 0, half covered ones half
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
@@ -35,7 +38,7 @@ TEST(Renderer, SphereCoversTheAreaOfItsCone) {
   }
   // The rim of about 2 pi r pixels is counted as half covered.
   const int drawn = count_drawn(image);
-  EXPECT_NEAR(drawn - 0.5 * 2 * kPi * radius, expected, 0.02 * expected);
+  EXPECT_NEAR(drawn - 0.5 * 2 * pi * radius, expected, 0.02 * expected);
   EXPECT_GT(covered, 0.95 * expected);
 }
 

@@ -3,13 +3,14 @@
 #include <Eigen/Geometry>
 
 #include <map>
+#include <numbers>
 
 #include "support.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using std::numbers::pi;
 
 // Divergence theorem: a sixth of the sum of the triangles' triple products.
 double volume(const TriangleMesh& mesh) {
@@ -38,10 +39,10 @@ TEST(Shapes, AreClosedAndHaveTheirVolume) {
     TriangleMesh mesh;
     double volume;
   } cases[] = {{"box", unit_box(), 8},
-               {"sphere", unit_sphere(80, 40), 4 * kPi / 3},
-               {"cylinder", unit_cylinder(80), 2 * kPi},
-               {"cone", unit_cone(80), 2 * kPi / 3},
-               {"capsule", capsule(0.5, 0.75, 80, 40), kPi * 0.25 * 1.5 + 4 * kPi / 3 * 0.125}};
+               {"sphere", unit_sphere(80, 40), 4 * pi / 3},
+               {"cylinder", unit_cylinder(80), 2 * pi},
+               {"cone", unit_cone(80), 2 * pi / 3},
+               {"capsule", capsule(0.5, 0.75, 80, 40), pi * 0.25 * 1.5 + 4 * pi / 3 * 0.125}};
   for (const auto& c : cases) {
     EXPECT_TRUE(closed_and_oriented(c.mesh)) << c.name;
     EXPECT_NEAR(volume(c.mesh), c.volume, 0.005 * c.volume) << c.name;

@@ -10,6 +10,7 @@
 
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "shape_triangles.h"
@@ -17,6 +18,8 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
+
+using std::numbers::pi;
 
 btTransform at(double x, double y, double z) {
   return btTransform(btQuaternion::getIdentity(),
@@ -66,7 +69,6 @@ const btScalar kHalf = btScalar(0.5);
 
 // Shapes whose outline seen along -z is known, with its area.
 TEST(WorldPainter, DrawsEveryShapeAtItsSize) {
-  constexpr double kPi = 3.14159265358979323846;
   btBoxShape box({kHalf, 1, kHalf});
   btSphereShape sphere(1);
   btCapsuleShapeX capsule(kHalf, 1);
@@ -101,14 +103,14 @@ TEST(WorldPainter, DrawsEveryShapeAtItsSize) {
     btCollisionShape* shape;
     double area;
   } cases[] = {{"box", &box, 2},
-               {"sphere", &sphere, kPi},
-               {"capsule", &capsule, 1 + kPi / 4},
-               {"cylinder", &cylinder, kPi},
+               {"sphere", &sphere, pi},
+               {"capsule", &capsule, 1 + pi / 4},
+               {"cylinder", &cylinder, pi},
                {"flat cylinder", &ellipse, 2},
                {"cone", &cone, 2},
                {"cone along x", &cone_x, 2},
                {"hull", &hull, 1},
-               {"multi-sphere", &multi, 1 + kPi / 4},
+               {"multi-sphere", &multi, 1 + pi / 4},
                {"compound", &compound, 4},
                {"triangle mesh", &mesh, 4},
                {"scaled triangle mesh", &scaled, 2},
@@ -116,7 +118,7 @@ TEST(WorldPainter, DrawsEveryShapeAtItsSize) {
                {"height field", &field, 4}};
   const RenderSettings settings = plain_settings(240, 240);
   const Camera camera = front_camera(200, 1);  // from so far that sizes hardly depend on depth
-  const double pixels_per_metre = 120 / (200 * std::tan(0.5 * kPi / 180));
+  const double pixels_per_metre = 120 / (200 * std::tan(0.5 * pi / 180));
   for (const auto& c : cases) {
     Scene scene;
     Painted painted(settings);
@@ -163,8 +165,8 @@ TEST(WorldPainter, HullsOfConvexShapesAreClosedOutward) {
   EXPECT_NEAR(volume(convex_triangles(cube)), 16, 1e-4);
   EXPECT_EQ(convex_triangles(cube).triangle_count(), 12);
   // Two caps and the frustum between the tangent circles: r1 + r2 = 0.8, r1 - r2 = 0.2, distance 1.
-  const double s = 0.2, c2 = 1 - s * s, pi = 3.14159265358979323846;
-  const auto cap = [pi](double r, double h) { return pi * h * h * (r - h / 3); };
+  const double s = 0.2, c2 = 1 - s * s;
+  const auto cap = [](double r, double h) { return pi * h * h * (r - h / 3); };
   const double a = 0.5 * std::sqrt(c2), b = 0.3 * std::sqrt(c2), length = 1 - s * s;
   const double expected =
       cap(0.5, 0.5 * (1 + s)) + cap(0.3, 0.3 * (1 - s)) + pi * length * (a * a + a * b + b * b) / 3;

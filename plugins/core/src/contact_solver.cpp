@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.h"
+
 namespace softpoint::inline SOFTPOINT_ABI {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void ContactSolver::begin_step(std::span<Deformable* const> bodies, double dt) {
   dt_ = dt;

@@ -110,7 +110,7 @@ void Deformable::build_mirror() {
   Material* material = appendMaterial();
   const auto count = static_cast<int>(positions_.size());
   m_nodes.resize(count, zeroed<Node>());
-  m_X.resize(count);
+  m_X.resize(count, btVector3(0, 0, 0));
   for (int i = 0; i < count; ++i) {
     Node& node = m_nodes[i];
     node.m_material = material;

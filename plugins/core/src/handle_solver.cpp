@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "index.h"
+
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
@@ -12,8 +14,6 @@ namespace {
 constexpr std::size_t kLargestBlock = 64;
 // m; a point farther from its target was not reached.
 constexpr double kUnreached = 1e-5;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

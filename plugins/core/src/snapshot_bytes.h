@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "softpoint/core/config.h"
@@ -17,6 +18,11 @@ inline constexpr std::uint64_t kSnapshotVersion = 1;
 
 enum class SnapshotWord : std::size_t { magic, version, precision, size, checksum, count };
 inline constexpr std::size_t kSnapshotHeader = 8 * static_cast<std::size_t>(SnapshotWord::count);
+
+// Bounds of what has no bound of its own.
+inline constexpr double kMost = std::numeric_limits<double>::max();
+inline constexpr int kMostInt = std::numeric_limits<int>::max();
+inline constexpr long long kMostLong = std::numeric_limits<long long>::max();
 
 inline std::uint64_t to_little_endian(std::uint64_t word) {
   if constexpr (std::endian::native == std::endian::big) {

@@ -4,15 +4,13 @@
 
 #include "bullet_archive.h"
 #include "deformable_system_impl.h"
+#include "snapshot_bytes.h"
 #include "softpoint/core/state_archive.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMost = std::numeric_limits<double>::max();
-constexpr int kMostInt = std::numeric_limits<int>::max();
-constexpr long long kMostLong = std::numeric_limits<long long>::max();
 
 // Up to three weighted points.
 void archive_points(StateArchive& archive, int least, int points, int& count, std::array<int, 3>& indices,

@@ -1,6 +1,5 @@
 // What a snapshot of a DeformableSystem holds, and how it is checked and taken over.
 #include <algorithm>
-#include <limits>
 
 #include "deformable_system_impl.h"
 #include "snapshot_bytes.h"
@@ -11,9 +10,6 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 namespace {
 
-constexpr double kMost = std::numeric_limits<double>::max();
-constexpr int kMostInt = std::numeric_limits<int>::max();
-constexpr long long kMostLong = std::numeric_limits<long long>::max();
 constexpr long long kMostEntries = 100'000'000;
 
 void archive_settings(StateArchive& archive, ContactSettings& s) {

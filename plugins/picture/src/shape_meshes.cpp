@@ -17,7 +17,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
 
-constexpr std::uint64_t kFramesKept = 128;
+constexpr std::uint64_t kShapeFramesKept = 128;
 
 // Turns the y axis, round which our shapes are built, to coordinate axis 0, 1 or 2.
 Mat3 y_to_axis(int axis) {
@@ -132,8 +132,8 @@ ShapeMesh ShapeMeshes::find(const btCollisionShape& shape) {
 }
 
 void ShapeMeshes::end_frame() {
-  if (++frame_ % kFramesKept != 0) return;
-  const auto unused = [this](std::uint64_t used) { return used + kFramesKept < frame_; };
+  if (++frame_ % kShapeFramesKept != 0) return;
+  const auto unused = [this](std::uint64_t used) { return used + kShapeFramesKept < frame_; };
   std::erase_if(capsules_, [&](const auto& entry) {
     if (!unused(entry.second.used)) return false;
     renderer_.remove_mesh(entry.second.mesh);

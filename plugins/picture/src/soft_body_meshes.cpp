@@ -9,7 +9,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
 
-constexpr std::uint64_t kFramesKept = 128;
+constexpr std::uint64_t kBodyFramesKept = 128;
 // Round things are often coarse prisms of six or eight sides; a cube's edges stay sharp.
 constexpr double kCreaseDegrees = 65.0;
 
@@ -112,9 +112,9 @@ void SoftBodyMeshes::draw_faces(const btSoftBody& body, const Material& material
 }
 
 void SoftBodyMeshes::end_frame() {
-  if (++frame_ % kFramesKept != 0) return;
+  if (++frame_ % kBodyFramesKept != 0) return;
   std::erase_if(entries_, [this](const auto& item) {
-    if (item.second.used + kFramesKept >= frame_) return false;
+    if (item.second.used + kBodyFramesKept >= frame_) return false;
     if (item.second.mesh >= 0) renderer_.remove_mesh(item.second.mesh);
     return true;
   });
