@@ -8,11 +8,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <set>
 
 #include "document_kinds.h"
+#include "picture_output.h"
 #include "player.h"
-#include "player_pictures.h"
 #include "scene_reader.h"
 #include "softpoint/core/error.h"
 #include "softpoint/elastic/statics.h"
@@ -341,10 +342,10 @@ TEST_F(EveryField, OfScenesIsRefusedOrPlaysFinitely) {
     read.frames = std::min(read.frames, 3);
     const bool pictured = place.starts_with("/camera") || place.starts_with("/pictures");
     Player player(std::move(read));
-    std::optional<PictureTaker> pictures;
+    std::unique_ptr<PictureOutput> pictures;  // none in a build without the picture plugin
     if (pictured) {
       const PictureSpec& spec = player.scene().pictures;
-      pictures.emplace(player, PictureOptions{file("out"), spec.width, spec.height, true, false});
+      pictures = make_picture_output(player, {file("out"), spec.width, spec.height, true, false});
     }
     while (player.frame() < player.scene().frames) {
       player.step();
