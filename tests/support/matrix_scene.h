@@ -87,20 +87,29 @@ struct MatrixScene {
   ZooThing thing;
 };
 
-// A body turned by `rotation`, straight above the scene's ground at `beside` with `gap` (m) below it.
-inline std::unique_ptr<ElasticBody> place_above(const MatrixScene& scene, Shape shape, double young,
-                                                const Vec3& beside, double gap, const Mat3& rotation,
-                                                double density = 1000.0) {
+// A body turned by `rotation`, straight above what `depth_of(body)` (m) tells the depth in, at `beside` with
+// `gap` (m) below it.
+template <class DepthOf>
+std::unique_ptr<ElasticBody> place_above(DepthOf depth_of, Shape shape, double young, const Vec3& beside,
+                                         double gap, const Mat3& rotation, double density) {
   double height = 0.6;
   std::unique_ptr<ElasticBody> body;
   for (int round = 0; round < 60; ++round) {
     body = std::make_unique<ElasticBody>(model_of(shape, young, 1.0 / 60.0, density),
                                          beside + Vec3(0, height, 0), rotation);
-    const double clear = -scene.depth(*body) - gap;
+    const double clear = -depth_of(*body) - gap;
     if (clear < 1e-5) break;
     height -= std::min(clear, 0.05);
   }
   return body;
+}
+
+// The same above the scene's ground.
+inline std::unique_ptr<ElasticBody> place_above(const MatrixScene& scene, Shape shape, double young,
+                                                const Vec3& beside, double gap, const Mat3& rotation,
+                                                double density = 1000.0) {
+  return place_above([&](const ElasticBody& body) { return scene.depth(body); }, shape, young, beside, gap,
+                     rotation, density);
 }
 
 }  // namespace softpoint

@@ -10,12 +10,13 @@
 
 namespace softpoint {
 
-// A row of equal boxes along x, joined one to the next.
+// A row of equal boxes or balls along x, joined one to the next.
 struct ChainSettings {
   int links = 2;
   bool fixed_base = true;
   Vec3 base = Vec3::Zero();          // m, centre of the base
   Vec3 half = Vec3(0.2, 0.05, 0.2);  // m, of base and links
+  bool balls = false;                // of radius half.x()
   double mass = 5.0;                 // kg, of base and links each
   enum class Joint { hinge, slider, ball, planar, fixed } joint = Joint::hinge;
   Vec3 axis = Vec3::UnitZ();  // of hinges (through the middle of the gap), sliders and planes
@@ -39,9 +40,8 @@ class Multibodies {
   Multibodies& operator=(const Multibodies&) = delete;
 
   btMultiBody& add_chain(const ChainSettings& s) {
-    btBoxShape box(to_bt(s.half));
     btVector3 inertia;
-    box.calculateLocalInertia(btScalar(s.mass), inertia);
+    shape_of(s)->calculateLocalInertia(btScalar(s.mass), inertia);
     bodies_.push_back(std::make_unique<btMultiBody>(s.links, btScalar(s.mass), inertia, s.fixed_base, false));
     btMultiBody& body = *bodies_.back();
     const btVector3 to_pivot(btScalar(s.half.x() + 0.5 * s.gap), 0, 0);
@@ -76,7 +76,7 @@ class Multibodies {
     for (int i = -1; i < s.links; ++i) {
       colliders_.push_back(std::make_unique<btMultiBodyLinkCollider>(&body, i));
       btMultiBodyLinkCollider& collider = *colliders_.back();
-      collider.setCollisionShape(&shapes_.keep(new btBoxShape(to_bt(s.half))));
+      collider.setCollisionShape(&shapes_.keep(shape_of(s).release()));
       collider.setFriction(btScalar(0.5));
       collider.setActivationState(DISABLE_DEACTIVATION);
       (i < 0 ? body.setBaseCollider(&collider) : void(body.getLink(i).m_collider = &collider));
@@ -104,6 +104,11 @@ class Multibodies {
   btMultiBodyDynamicsWorld& world() { return world_; }
 
  private:
+  static std::unique_ptr<btCollisionShape> shape_of(const ChainSettings& s) {
+    if (s.balls) return std::make_unique<btSphereShape>(btScalar(s.half.x()));
+    return std::make_unique<btBoxShape>(to_bt(s.half));
+  }
+
   TestWorld& shapes_;
   btMultiBodyDynamicsWorld& world_;
   std::vector<std::unique_ptr<btMultiBody>> bodies_;

@@ -210,8 +210,38 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
   return largest;
 }
 
-void ContactSolver::move_all(std::span<Deformable* const> bodies, RigidStates& rigid) {
+// Each of two deformables takes the torque of their impulse where its own skin is touched. Those places
+// differ by the gap and by what elasticity has still to give, so that a couple is missing: the two share it
+// by their masses, as if the impulse acted at one point between them.
+void ContactSolver::balance_torques(std::span<Deformable* const> bodies,
+                                    const std::vector<Contact>& contacts) {
+  for (Deformable* body : bodies) {
+    body->couple_.setZero();
+  }
+  for (const Contact& contact : contacts) {
+    if (contact.other_body < 0 || contact.impulse == Vec3::Zero()) {
+      continue;
+    }
+    Deformable& body = *bodies[at(contact.body)];
+    Deformable& other = *bodies[at(contact.other_body)];
+    Vec3 apart = Vec3::Zero();
+    for (std::size_t k = 0; k < at(contact.count); ++k) {
+      apart += contact.weights[k] * body.impulse_points_[at(contact.points[k])];
+    }
+    for (std::size_t k = 0; k < at(contact.other_count); ++k) {
+      apart -= contact.other_weights[k] * other.impulse_points_[at(contact.other_points[k])];
+    }
+    const Vec3 missing = contact.impulse.cross(apart);
+    const double share = body.total_mass_ / (body.total_mass_ + other.total_mass_);
+    body.couple_ += share * missing;
+    other.couple_ += (1.0 - share) * missing;
+  }
+}
+
+void ContactSolver::move_all(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
+                             RigidStates& rigid) {
   rigid.integrate(dt_);
+  balance_torques(bodies, contacts);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (!touched_[b].points.empty()) {
       bodies[b]->respond(touched_[b].points, touched_[b].impulses);
@@ -226,7 +256,7 @@ void ContactSolver::warm_start(std::span<Deformable* const> bodies, std::vector<
   StageTimer timer(profile.seconds.solve);
   prepare_rows(bodies, contacts, handles, rigid);
   support.reapply(rigid);
-  move_all(bodies, rigid);
+  move_all(bodies, contacts, rigid);
 }
 
 void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Contact>& contacts,
@@ -247,7 +277,7 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
       break;
     }
   }
-  move_all(bodies, rigid);
+  move_all(bodies, contacts, rigid);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -49,7 +49,9 @@ class ContactSolver {
                     std::vector<Handle>& handles, RigidStates& rigid);
   Vec3 moved(const Contact& contact, const Row& row, const std::vector<Vec3> TouchedPoints::*field) const;
   void add_impulse(const Contact& contact, const Row& row, const Vec3& impulse, RigidStates& rigid);
-  void move_all(std::span<Deformable* const> bodies, RigidStates& rigid);
+  static void balance_torques(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts);
+  void move_all(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
+                RigidStates& rigid);
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
 
   double dt_ = 0;

@@ -202,6 +202,7 @@ void Deformable::begin(double dt, const Vec3& gravity) {
     impulses_queued_ = false;
   }
   impulse_points_ = positions_;
+  couple_.setZero();
   predict(dt);
   free_positions_ = end_positions_;
 }
@@ -235,6 +236,7 @@ void Deformable::finish(double dt) {
   });
   if (finite) {
     commit(dt);
+    turn_by_couple();
     return;
   }
   ++guard_fired_;
@@ -264,38 +266,6 @@ void Deformable::set_acceleration(const Vec3& acceleration) {
     acceleration_ = acceleration;
     wake();
   }
-}
-
-Vec3 Deformable::center_of_mass() const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    sum += masses_[v] * positions_[v];
-  }
-  return sum / total_mass_;
-}
-
-Vec3 Deformable::momentum() const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    sum += masses_[v] * velocities_[v];
-  }
-  return sum;
-}
-
-Vec3 Deformable::angular_momentum(const Vec3& about) const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    sum += masses_[v] * (positions_[v] - about).cross(velocities_[v]);
-  }
-  return sum;
-}
-
-double Deformable::kinetic_energy() const {
-  double sum = 0;
-  for (std::size_t v = 0; v < positions_.size(); ++v) {
-    sum += 0.5 * masses_[v] * velocities_[v].squaredNorm();
-  }
-  return sum;
 }
 
 int Deformable::calculateSerializeBufferSize() const {

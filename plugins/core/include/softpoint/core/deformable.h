@@ -78,7 +78,8 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // 2. Compliance: `blocks`, column-major 3n x 3n with n = touched.size(), receives the velocity change
   //    (m/s) of touched point i per impulse (N s) on touched point j, for the step begun by predict().
   virtual void compliance(std::span<const int> touched, double* blocks) = 0;
-  // 3. Response: end_positions_ = free_positions_ + dt * (velocity response to these impulses).
+  // 3. Response: end_positions_ = free_positions_ + dt * (velocity response to these impulses). Their torque
+  //    counts at impulse_points_.
   virtual void respond(std::span<const int> touched, std::span<const Vec3> impulses) = 0;
   // 4. Commit: take end_positions_ as the new state. The base does x = end, v = (end - x) / dt.
   virtual void commit(double dt);
@@ -112,6 +113,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
 
   void begin(double dt, const Vec3& gravity);
   void finish(double dt);
+  void turn_by_couple();
   void mirror(double dt);
   void archive(StateArchive& archive);
   void fall_asleep();
@@ -124,6 +126,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   std::vector<std::array<int, 2>> edges_;
   std::vector<std::array<int, 2>> edge_faces_;  // second is -1 on a boundary
   Vec3 acceleration_ = Vec3::Zero();
+  Vec3 couple_ = Vec3::Zero();  // N m s, to be added to the torque of the impulses of this step
   double total_mass_ = 0;
   bool impulses_queued_ = false;
   long long guard_fired_ = 0;
