@@ -25,8 +25,13 @@ double DeformableSystem::Impl::detect(bool first) {
   }
   double worst = 0.0;
   for (Contact& contact : contacts_.all()) {
-    if (!contact.seen && contact.shape_index >= 0 && (contact.met || contact.kind == ContactKind::face)) {
+    // What carried load between two deformables may be out of reach where last step's impulses lead: without
+    // any of it they would spring through each other.
+    const bool carried = first && contact.other_body >= 0 && contact.impulse != Vec3::Zero();
+    const bool known = contact.met || contact.kind == ContactKind::face || carried;
+    if (!contact.seen && contact.shape_index >= 0 && known) {
       contact.seen = refresh(contact);
+      contact.met |= carried && contact.seen;
     }
     if (contact.seen) {
       worst = std::max(worst, -contact.gap);
