@@ -73,6 +73,10 @@ clang_fuzzes() {
     clang++ -x c++ -fsanitize=fuzzer,address,undefined -o "$work/probe" - 2>/dev/null
 }
 
+# Long tests are ended later, instrumented ones too.
+patience=(-DSOFTPOINT_TEST_TIMEOUT=1200)
+[ $full$sanitizers = 00 ] || patience=(-DSOFTPOINT_TEST_TIMEOUT=7200)
+
 part 'packages' softpoint_install required "${softpoint_required[@]}" "${softpoint_required_for_tests[@]}" || exit 1
 softpoint_install optional "${softpoint_optional[@]}"
 if [ $full = 1 ] || [ $fuzzers = 1 ]; then
@@ -80,7 +84,8 @@ if [ $full = 1 ] || [ $fuzzers = 1 ]; then
 fi
 
 if [ $tests = 1 ]; then
-  if part 'build' softpoint_build build -DCMAKE_BUILD_TYPE=Release -DSOFTPOINT_TESTS=ON -DSOFTPOINT_EXAMPLES=ON; then
+  if part 'build' softpoint_build build -DCMAKE_BUILD_TYPE=Release -DSOFTPOINT_TESTS=ON -DSOFTPOINT_EXAMPLES=ON \
+    "${patience[@]}"; then
     [ $full = 1 ] && export SOFTPOINT_TEST_FULL=1
     part 'tests' run_tests build tests
     unset SOFTPOINT_TEST_FULL
@@ -92,7 +97,7 @@ fi
 if [ $sanitizers = 1 ]; then
   export SOFTPOINT_TEST_SANITIZED=1
   if part 'build with ASan and UBSan' softpoint_build build-sanitize -DCMAKE_BUILD_TYPE=RelWithDebInfo \
-    -DSOFTPOINT_SANITIZE=ON -DSOFTPOINT_TESTS=ON -DSOFTPOINT_EXAMPLES=ON; then
+    -DSOFTPOINT_SANITIZE=ON -DSOFTPOINT_TESTS=ON -DSOFTPOINT_EXAMPLES=ON "${patience[@]}"; then
     part 'tests under ASan and UBSan' run_tests build-sanitize sanitizers
   else
     skip 'tests under ASan and UBSan' 'the build failed'
