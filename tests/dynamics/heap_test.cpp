@@ -11,6 +11,7 @@
 #include "softpoint/core/deformable_system.h"
 #include "support/elastic_bodies.h"
 #include "support/multibodies.h"
+#include "support/spring_net.h"
 #include "support/worlds.h"
 
 namespace {
@@ -142,6 +143,30 @@ TEST(Step, TakesNothingFromTheHeapInMotion) {
   std::printf("    %lld heap calls in 240 steps in motion, %lld in a twin world without us\n", calls,
               bullets_own);
   EXPECT_LE(calls, bullets_own);
+}
+
+TEST(Step, TakesNothingFromTheHeapWithPointLoads) {
+  TestWorld world;
+  world.add_floor();
+  DeformableSystem system(*world);
+  ElasticBody body(model_of(Shape::cube, 1e6), Vec3(0, 0.25, 0));
+  system.add(body);
+  system.grab(body, 3, body.points()[3], 100.0);
+  SpringNet net(body, {0, 5, 11, 20, 25}, 1e4 * Eigen::MatrixXd::Identity(15, 15));
+  body.setActivationState(DISABLE_DEACTIVATION);
+  long long setting = 0, stepping = 0;
+  for (int i = 0; i < 480; ++i) {
+    net.update(body);
+    if (i % 16 == 0) body.clear_point_loads();
+    const long long before = heap_calls;
+    body.set_point_loads(net.points, net.forces, {net.stiffness.data(), 225});
+    setting += i == 0 ? 0 : heap_calls - before;
+    const long long calls = heap_calls_of(world, 1);
+    stepping += i < 240 ? 0 : calls;  // contacts have come to rest
+  }
+  EXPECT_FALSE(system.contacts().empty());
+  EXPECT_EQ(setting, 0);
+  EXPECT_EQ(stepping, 0);
 }
 
 // A free chain tied to a body and pushed about by it, another anchored to a box; the twin is the same without

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "point_loads.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"
 
@@ -74,6 +75,8 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
   scratch_in_.resize(3 * positions_.size());
   scratch_out_.resize(3 * positions_.size());
 }
+
+ElasticBody::~ElasticBody() = default;
 
 void ElasticBody::set_velocity(const Vec3& linear, const Vec3& angular) {
   check_range("set_velocity: linear", linear, -kMaxSpeed, kMaxSpeed);
@@ -284,6 +287,9 @@ void ElasticBody::settle_free_motion() {
     shape_velocity_[v] -= drift;
     internal += 0.5 * masses_[v] * shape_velocity_[v].squaredNorm();
   }
+  if (loaded()) {
+    energy_at_start_ = std::max(energy_at_start_ + work_of_loads(), 0.0);
+  }
   Vec3 omega = inverse * spin_;
   const double rigid = 0.5 * spin_.dot(omega);
   if (rigid + internal + strain_energy_ > energy_at_start_) {
@@ -349,6 +355,9 @@ void ElasticBody::predict(double dt) {
   split_motion();
   predict_positions();
   relax_shape();
+  if (loaded()) {
+    carry_loads();
+  }
   settle_free_motion();
   pushed_ = false;
   // The matrix B answers impulses on the turned and relaxed shape, so that is where their torque is counted:

@@ -21,6 +21,9 @@ void ElasticBody::compliance(std::span<const int> touched, double* blocks) {
           frame_.transpose();
     }
   }
+  if (has_springs()) {
+    stiffen(touched, blocks);
+  }
 }
 
 void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> impulses) {
@@ -39,7 +42,6 @@ void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> im
   }
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     response_velocity_[v] = out.segment<3>(static_cast<Eigen::Index>(3 * v));
-    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v]);
   }
   // Strain energy of the pushed shape, again without a product by S: h S B J = (J - M B J) / h.
   strain_energy_pushed_ = 0.0;
@@ -49,7 +51,11 @@ void ElasticBody::respond(std::span<const int> touched, std::span<const Vec3> im
   for (std::size_t j = 0; j < touched.size(); ++j) {
     pushed_force_[static_cast<std::size_t>(touched[j])] += frame_.transpose() * impulses[j] / dt_;
   }
+  if (has_springs()) {
+    react(touched, impulses);
+  }
   for (std::size_t v = 0; v < positions_.size(); ++v) {
+    end_positions_[v] = free_positions_[v] + dt_ * (frame_ * response_velocity_[v]);
     strain_energy_pushed_ += 0.5 * (strain_[v] + dt_ * response_velocity_[v]).dot(pushed_force_[v]);
   }
   pushed_ = true;
