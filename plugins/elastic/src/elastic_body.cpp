@@ -3,12 +3,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
 
 #include "point_loads.h"
+#include "rotation_fit.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"
 
@@ -32,13 +32,6 @@ std::vector<Vec3> placed(const ElasticModel* model, const Vec3& origin, const Ma
   return positions;
 }
 
-// Rotation nearest to `a` (polar decomposition), proper also where `a` mirrors.
-Mat3 nearest_rotation(const Mat3& a) {
-  const Eigen::JacobiSVD<Mat3> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double mirror = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * Vec3(1, 1, mirror).asDiagonal() * svd.matrixV().transpose();
-}
-
 // Best fitting frame of positions about their centre of mass: polar(sum m (x - c) X^T).
 Mat3 fit_frame(const ElasticModel& model, const std::vector<Vec3>& positions, const Vec3& center) {
   Mat3 moment = Mat3::Zero();
@@ -54,11 +47,6 @@ Vec3 center_of(const ElasticModel& model, const std::vector<Vec3>& positions, do
     sum += model.masses[v] * positions[v];
   }
   return sum / mass;
-}
-
-Mat3 turn_by(const Vec3& rotation_vector) {
-  const double angle = rotation_vector.norm();
-  return angle > 0.0 ? Mat3(Eigen::AngleAxisd(angle, rotation_vector / angle)) : Mat3(Mat3::Identity());
 }
 
 }  // namespace

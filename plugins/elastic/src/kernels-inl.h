@@ -14,10 +14,12 @@ namespace {
 #include "layer_potentials-inl.h"
 // after both
 #include "dense-inl.h"
+// after all
+#include "block_product-inl.h"
 
 constexpr Kernels kKernels = {
     kLanes,    kRows* kDepth + kColumns* kDepth, layer_potentials, cholesky, divide_transposed, divide,
-    add_square};
+    add_square, kStripRows<float>, kStripRows<double>, block_product<float>, block_product<double>};
 
 }  // namespace
 

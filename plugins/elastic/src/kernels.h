@@ -51,6 +51,14 @@ struct Kernels {
   // s += x x^T, s being m x m, x being m x n.
   void (*add_square)(double* s, std::ptrdiff_t m, std::ptrdiff_t lds, const double* x, std::ptrdiff_t n,
                      std::ptrdiff_t ldx, double* scratch);
+
+  // c = a b: `a` in `strips` strips of strip_rows rows each, depth-major inside a strip, padded with zeros; b
+  // (depth x n) and c (strips * strip_rows x n) column-major.
+  std::ptrdiff_t strip_rows_single, strip_rows_double;
+  void (*product_single)(const float* a, std::ptrdiff_t strips, std::ptrdiff_t depth, const float* b,
+                         std::ptrdiff_t ldb, std::ptrdiff_t n, float* c, std::ptrdiff_t ldc);
+  void (*product_double)(const double* a, std::ptrdiff_t strips, std::ptrdiff_t depth, const double* b,
+                         std::ptrdiff_t ldb, std::ptrdiff_t n, double* c, std::ptrdiff_t ldc);
 };
 
 // Null when this compiler or processor family has no such variant.

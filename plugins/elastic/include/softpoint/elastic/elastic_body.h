@@ -57,6 +57,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   double elastic_energy() const override;  // J
 
  private:
+  friend class Character;
   void predict(double dt) override;
   void compliance(std::span<const int> touched, double* blocks) override;
   void respond(std::span<const int> touched, std::span<const Vec3> impulses) override;

@@ -1,0 +1,109 @@
+// A character and the exoskeleton it hangs on.
+#include <algorithm>
+
+#include "character_state.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+
+// Contact and handles may have moved the exoskeleton after the character was solved: the ends go with it, and
+// the joints find their balance anew with the forces that the skin was found to bear.
+void Character::follow_exoskeletons() {
+  State& state = *state_;
+  bool moved = state.postponed;
+  for (const State::Attachment& a : state.attachments) {
+    const Vec3 to =
+        a.exoskeleton->points()[static_cast<std::size_t>(a.vertex)] + a.exoskeleton->frame_ * a.offset;
+    const Assembly::Impl::Place place = assembly_.impl_->place_of(a.end);
+    const PartGroup::Joint& joint = place.state->group.joints()[place.joint];
+    moved = moved || place.state->group.point(place.state->x, 3 * joint.first, joint.count) != to;
+    assembly_.move(a.end, to);
+  }
+  if (!moved) return;
+  assembly_.clear_pushes();
+  for (const State::SkinForce& f : state.forces) push_skin(f.point, f.force);
+  assembly_.solve();
+  std::copy(assembly_.points().begin(), assembly_.points().end(), end_positions_.begin());
+}
+
+// Stiffness (N/m) that the ends of a group of parts show: the largest of their own, everything else
+// following.
+double Character::measure_end_stiffness(int g) {
+  State& state = *state_;
+  GroupState& group = *assembly_.impl_->groups[static_cast<std::size_t>(g)];
+  State::Response& r = state.responses[static_cast<std::size_t>(g)];
+  double largest = 0;
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(group.group.size());
+  Eigen::VectorXd free = unit, force = unit;
+  for (std::size_t j = 0; j < group.ends.size(); ++j) {
+    if (group.ends[j] == Hold::kNothing) continue;
+    const PartGroup::Joint& joint = group.group.joints()[j];
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      const Eigen::Index at = 3 * joint.first + a * joint.count;
+      unit.setZero();
+      unit[at] = 1.0;
+      group.group.stiffness_product(unit, r.load);
+      r.load = -r.load;
+      group.solver.respond(r.load, free, 1e-3);
+      free += unit;
+      group.group.stiffness_product(free, force);
+      largest = std::max(largest, std::abs(force[at]));
+    }
+  }
+  return largest;
+}
+
+// The reaction: the opposite of what holds the ends, and how it will change as the exoskeleton's vertices
+// part, for the exoskeleton to take it implicitly. k (1 - 1/n) between the n ends of a group.
+void Character::load_exoskeletons() {
+  State& state = *state_;
+  if (!settings_.reaction || state.attachments.empty()) return;
+  Assembly::Impl& impl = *assembly_.impl_;
+  for (std::size_t first = 0; first < state.attachments.size(); ++first) {
+    ElasticBody* const exoskeleton = state.attachments[first].exoskeleton;
+    const auto before = state.attachments.begin() + static_cast<std::ptrdiff_t>(first);
+    if (std::any_of(state.attachments.begin(), before,
+                    [&](const auto& a) { return a.exoskeleton == exoskeleton; })) {
+      continue;
+    }
+    state.loaded.clear();
+    state.loads.clear();
+    const auto slot_of = [&](int vertex) {
+      const auto known = std::find(state.loaded.begin(), state.loaded.end(), vertex);
+      const auto slot = static_cast<std::size_t>(known - state.loaded.begin());
+      if (known == state.loaded.end()) {
+        state.loaded.push_back(vertex);
+        state.loads.push_back(Vec3::Zero());
+      }
+      return slot;
+    };
+    for (const State::Attachment& a : state.attachments) {
+      if (a.exoskeleton == exoskeleton) state.loads[slot_of(a.vertex)] -= assembly_.force(a.end);
+    }
+    const std::size_t n = 3 * state.loaded.size();
+    state.load_stiffness.assign(n * n, 0.0);
+    for (std::size_t g = 0; g < impl.groups.size(); ++g) {
+      double count = 0;
+      const auto in_group = [&](const State::Attachment& a) {
+        return a.exoskeleton == exoskeleton && impl.place_of(a.end).state == impl.groups[g].get();
+      };
+      for (const State::Attachment& a : state.attachments) count += in_group(a) ? 1.0 : 0.0;
+      if (count < 2.0) continue;
+      if (state.end_stiffness[g] == 0.0) state.end_stiffness[g] = measure_end_stiffness(static_cast<int>(g));
+      for (const State::Attachment& a : state.attachments) {
+        if (!in_group(a)) continue;
+        for (const State::Attachment& b : state.attachments) {
+          if (!in_group(b)) continue;
+          const bool same = &a == &b;
+          const double k = state.end_stiffness[g] * ((same ? 1.0 : 0.0) - 1.0 / count);
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t row = 3 * slot_of(a.vertex) + axis, column = 3 * slot_of(b.vertex) + axis;
+            state.load_stiffness[column * n + row] += k;
+          }
+        }
+      }
+    }
+    exoskeleton->set_point_loads(state.loaded, state.loads, state.load_stiffness);
+  }
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic

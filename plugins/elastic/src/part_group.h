@@ -1,0 +1,133 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "bone_energy.h"
+#include "placed_design.h"
+#include "product.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::elastic {
+
+// Blocks of a symmetric matrix by row and column, both triangles; absent ones are zero.
+using BlockRows = std::vector<std::map<std::size_t, Eigen::MatrixXd>>;
+
+// The blocks of a segment model, laid out for products.
+struct PackedModel {
+  const SegmentModel* model = nullptr;
+  Product stiffness;                              // K
+  Product free_response;                          // Phi
+  Eigen::Matrix<double, Eigen::Dynamic, 3> arms;  // X of the joint points from their mean
+  Vec3 mean = Vec3::Zero();                       // m, of the joint points, in the mesh's frame
+  Vec3 first_moment = Vec3::Zero();               // m4, integral of x from the mean over the volume
+};
+std::shared_ptr<const PackedModel> pack_model(const SegmentModel& model, const Kernels& kernels, bool single);
+
+// A force on a free vertex of a segment.
+struct SkinPush {
+  int segment = 0, free_point = 0;  // of the group; of its model
+  Vec3 force = Vec3::Zero();        // N, world
+};
+
+// Mechanics of one character's parts that hang together. Vectors of points are joint by joint, axis-major
+// inside: component a of point i of joint j is 3 first(j) + a count(j) + i.
+//
+// Each segment is linear in a frame R of its own, the best fit of its joint points; its energy is
+// 1/2 d K d, d = R^T (x - mean) - X. Forces are the exact gradient, change of R included, so they have
+// neither net force nor net moment (doc/joined_segments.md).
+class PartGroup {
+ public:
+  struct Joint {
+    Eigen::Index first = 0, count = 0;  // points
+    Mat3 turn = Mat3::Identity();       // from the rest pose: mean of the segments that meet here
+    std::array<int, 2> segments = {-1, -1};
+  };
+  struct Segment {
+    int model = 0;   // of models()
+    int column = 0;  // among the segments of that model
+    int placed = 0;  // of the placed design
+    Mat3 rest_rotation = Mat3::Identity();
+    Mat3 rotation = Mat3::Identity();         // R
+    Mat3 stretch_inverse = Mat3::Identity();  // (tr(S) 1 - S)^-1 of the fit
+    Vec3 mean = Vec3::Zero();                 // m, of its joint points
+    std::vector<Eigen::Index> at, stride;     // where its joint points are
+  };
+  struct Bone {
+    BoneSettings settings;
+    BoneShape shape;
+    std::vector<Eigen::Index> at, stride;  // its joints' first points
+    int part = 0;                          // of the design
+  };
+
+  PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, int group,
+            const std::vector<std::shared_ptr<const PackedModel>>& models);
+
+  // Energy (J), gradient (N) at `x`. Moves the segments' frames along.
+  double evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient);
+  // Forces (N) by small displacements (m) of the points, the segments' frames of the last evaluate() held.
+  void stiffness_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);
+  // Turns of the joints from the frames of the last evaluate().
+  void update_turns();
+  // Stiffness at rest without `held` points, plus `inertia` (kg/s2) for each point.
+  BlockRows rest_stiffness(const std::vector<char>& held, const Eigen::VectorXd& inertia) const;
+  // Of the segments alone at the last evaluate(), J.
+  double elastic_energy() const { return elastic_energy_; }
+  // Norm of the segments' joint forces at the last evaluate() (N), against which imbalance is measured.
+  double force_scale() const { return force_scale_; }
+  // A force that would strain all of the group by one (N).
+  double stiffness_scale() const { return stiffness_scale_; }
+  // Local joint displacements of the last evaluate(), column by column of a model.
+  const std::vector<double>& displacements(int model) const {
+    return batches_[static_cast<std::size_t>(model)].displacements;
+  }
+
+  Eigen::Index points() const { return points_; }
+  Eigen::Index size() const { return 3 * points_; }
+  Vec3 point(const Eigen::VectorXd& v, Eigen::Index at, Eigen::Index stride) const {
+    return {v[at], v[at + stride], v[at + 2 * stride]};
+  }
+  // Number of the point whose first coordinate is there.
+  std::size_t index_of(Eigen::Index at) const;
+  const std::vector<Joint>& joints() const { return joints_; }
+  const std::vector<int>& joint_ids() const { return joint_ids_; }  // of the placed design
+  std::vector<Segment>& segments() { return segments_; }
+  const std::vector<Segment>& segments() const { return segments_; }
+  const std::vector<Bone>& bones() const { return bones_; }
+  const std::vector<std::shared_ptr<const PackedModel>>& models() const { return models_; }
+  const Eigen::VectorXd& rest() const { return rest_; }
+  // Mean distance of neighbouring joints at rest, m.
+  double spacing() const { return spacing_; }
+
+  Vec3 gravity = Vec3::Zero();   // m/s2, as long as it acts on the segments' volume
+  std::vector<SkinPush> pushes;  // forces on free vertices
+  Eigen::VectorXd loads;         // N, world, on the joints' points
+  long long products = 0;        // segments multiplied so far
+
+ private:
+  struct Batch {
+    std::vector<int> segments;
+    std::vector<double> displacements, forces;  // 3J x n, padded x n
+    std::vector<double> probes;                 // 3J x n, of stiffness_product()
+  };
+  void fit(Segment& segment, const Eigen::VectorXd& x, double* local);
+  double bones(const Eigen::VectorXd& x, Eigen::VectorXd& gradient);
+  void bone_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) const;
+
+  Eigen::Index points_ = 0;
+  std::vector<Joint> joints_;
+  std::vector<int> joint_ids_;
+  std::vector<Segment> segments_;
+  std::vector<Bone> bones_;
+  std::vector<std::shared_ptr<const PackedModel>> models_;
+  std::vector<Batch> batches_;
+  Eigen::VectorXd rest_;
+  Eigen::VectorXd last_;  // points of the last evaluate()
+  double elastic_energy_ = 0, force_scale_ = 0, stiffness_scale_ = 0, spacing_ = 0;
+  std::vector<float> scratch_;
+  std::vector<Vec3> bone_points_, bone_gradient_;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::elastic
