@@ -165,7 +165,7 @@ TEST(PointLoads, AtRestTheForceIsTheOneSetAndBalances) {
       std::printf("    E %.0e K %.0e: load off by %.1e, balance off by %.1e (of it), moves %.1e m in 1 s\n",
                   young, k, worst / size, left.norm() / size, moved);
       EXPECT_LE(worst / size, 1e-12);
-      EXPECT_LE(left.norm() / size, 1e-9);
+      EXPECT_LE(left.norm() / size, kDouble ? 1e-9 : 1e-6);  // a world in single precision rounds the gravity
       EXPECT_LE(moved, 1e-9);
     }
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "point_loads.h"
+#include "instruction_set.h"
 #include "rotation_fit.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"
@@ -62,6 +63,10 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
   }
   scratch_in_.resize(3 * positions_.size());
   scratch_out_.resize(3 * positions_.size());
+  if (!model_->single_response.empty()) {
+    single_in_.resize(3 * positions_.size());
+    single_out_.resize(3 * positions_.size());
+  }
 }
 
 ElasticBody::~ElasticBody() = default;
@@ -222,6 +227,20 @@ void ElasticBody::predict_positions() {
   }
 }
 
+// scratch_out_ = (M + h^2 S)^-1 scratch_in_.
+void ElasticBody::multiply_response() {
+  const Kernels& kernels = kernels_for(model_->stiffness->instruction_set);
+  const std::ptrdiff_t n = model_->dofs();
+  if (single_in_.empty() || !own_response_.empty()) {
+    kernels.symmetric_double(response(), n, n, scratch_in_.data(), scratch_out_.data());
+    return;
+  }
+  std::transform(scratch_in_.begin(), scratch_in_.end(), single_in_.begin(),
+                 [](double v) { return static_cast<float>(v); });
+  kernels.symmetric_single(model_->single_response.data(), n, n, single_in_.data(), single_out_.data());
+  std::copy(single_out_.begin(), single_out_.end(), scratch_out_.begin());
+}
+
 // Stages 3 and 4: R = polar(sum m (x^ - c) X^T), d = R^T (x^ - c) - X,
 // delta = -(M + h^2 S)^-1 h^2 S d = (M + h^2 S)^-1 M d - d, x = x^ + R delta.
 void ElasticBody::relax_shape() {
@@ -233,7 +252,7 @@ void ElasticBody::relax_shape() {
     const Vec3 d = frame_.transpose() * (end_positions_[v] - center) - model_->rest[v];
     in.segment<3>(static_cast<Eigen::Index>(3 * v)) = masses_[v] * d;
   }
-  out.noalias() = Eigen::Map<const Eigen::MatrixXd>(response(), n, n) * in;
+  multiply_response();
   Vec3 drift = Vec3::Zero();
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     const auto i = static_cast<Eigen::Index>(3 * v);

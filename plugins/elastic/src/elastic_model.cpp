@@ -63,6 +63,9 @@ std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
   }
   check_stiffness(*model);
   compute_response(*model, settings.time_step, model->response);
+  if (settings.single_precision) {
+    model->single_response.assign(model->response.begin(), model->response.end());
+  }
   return model;
 }
 

@@ -59,6 +59,10 @@ struct Kernels {
                          std::ptrdiff_t ldb, std::ptrdiff_t n, float* c, std::ptrdiff_t ldc);
   void (*product_double)(const double* a, std::ptrdiff_t strips, std::ptrdiff_t depth, const double* b,
                          std::ptrdiff_t ldb, std::ptrdiff_t n, double* c, std::ptrdiff_t ldc);
+
+  // y = a x, `a` symmetric (n x n, column-major), of which the lower triangle is read.
+  void (*symmetric_single)(const float* a, std::ptrdiff_t n, std::ptrdiff_t lda, const float* x, float* y);
+  void (*symmetric_double)(const double* a, std::ptrdiff_t n, std::ptrdiff_t lda, const double* x, double* y);
 };
 
 // Null when this compiler or processor family has no such variant.

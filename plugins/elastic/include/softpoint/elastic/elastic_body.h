@@ -83,6 +83,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   void split_motion();
   void predict_positions();
   void relax_shape();
+  void multiply_response();
   void settle_free_motion();
 
   double strain_energy_of(const std::vector<Vec3>& arms) const;
@@ -119,6 +120,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   std::vector<Vec3> force_;                       // S (d + delta), N
   std::vector<Vec3> free_velocities_;             // at the end of the step, without impulses
   std::vector<double> scratch_in_, scratch_out_;  // 3V
+  std::vector<float> single_in_, single_out_;     // 3V, with a model in single precision
 
   // With impulses from outside.
   bool pushed_ = false;
