@@ -28,6 +28,7 @@ std::vector<NamedKernel> product_kernels() {
       {"plain loops, baseline instructions", 1, plain_product},
       {"Eigen, -O3 -march=native", 1, eigen_native_product},
       {"Eigen, padded to 256 rows", 256, eigen_native_product},
+      {"elastic plugin", 32, our_product},
   };
 #ifdef SOFTPOINT_HAVE_LIBXSMM
   kernels.push_back({"libxsmm", 1, libxsmm_product});
@@ -97,8 +98,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   constexpr int kRows = 246, kInner = 102;
-  std::printf("%d x %d times %d x %d, float; Eigen native: %s\n", kRows, kInner, kInner, columns,
-              eigen_native_instructions());
+  std::printf("%d x %d times %d x %d, float; Eigen native: %s; elastic plugin: %s\n", kRows, kInner, kInner,
+              columns, eigen_native_instructions(), our_instructions());
   std::printf("%-38s %9s %9s %8s %10s\n", "kernel", "best us", "median us", "GF/s", "error");
   int failures = 0;
   for (const NamedKernel& kernel : product_kernels()) {

@@ -22,6 +22,10 @@ struct NamedKernel {
 void eigen_native_product(const Product& shape, const float* a, const float* b, float* c);
 const char* eigen_native_instructions();
 
+// The elastic plugin's own kernel, for the best instruction set that SOFTPOINT_MAX_ISA allows.
+void our_product(const Product& shape, const float* a, const float* b, float* c);
+const char* our_instructions();
+
 #ifdef SOFTPOINT_HAVE_LIBXSMM
 void libxsmm_product(const Product& shape, const float* a, const float* b, float* c);
 #endif

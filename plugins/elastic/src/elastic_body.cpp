@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "point_loads.h"
 #include "instruction_set.h"
+#include "point_loads.h"
 #include "rotation_fit.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
@@ -36,6 +37,7 @@ void JointSolver::prepare(const std::vector<char>& held, const Eigen::VectorXd& 
   const BlockRows rows = group_.rest_stiffness(held, inertia);
   find_greatest(rows);
   modes_.prepare(held, inertia, rows);
+  frames_moved_ = true;
 }
 
 // Power iteration.
@@ -57,7 +59,14 @@ void JointSolver::find_greatest(const BlockRows& rows) {
   }
 }
 
+void JointSolver::follow_frames() {
+  group_.update_turns();
+  modes_.factor();
+  frames_moved_ = false;
+}
+
 double JointSolver::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& toward) {
+  frames_moved_ = true;
   double energy = group_.evaluate(x, gradient_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double away = x[i] - toward[i];
@@ -69,12 +78,22 @@ double JointSolver::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& to
   return energy;
 }
 
-// Below a billionth of what would strain the parts by one, forces are rounding.
+// Below a billionth of what would strain the parts by one, forces are no measure.
 double JointSolver::residual_of() const {
   return free_gradient_.norm() / (group_.force_scale() + 1e-9 * group_.stiffness_scale());
 }
 
+// Forces of parts at rest are what rounding of their points makes of them.
+bool JointSolver::balanced(double tolerance, const Eigen::VectorXd& x) const {
+  const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() /
+                          group_.spacing() * group_.stiffness_scale() *
+                          std::sqrt(static_cast<double>(x.size()));
+  return free_gradient_.norm() <=
+         tolerance * (group_.force_scale() + 1e-9 * group_.stiffness_scale()) + rounding;
+}
+
 int JointSolver::respond(const Eigen::VectorXd& force, Eigen::VectorXd& displacement, double tolerance) {
+  if (frames_moved_) follow_frames();
   displacement.setZero();
   residual_ = force;
   mask(residual_);
@@ -135,14 +154,14 @@ JointSolver::Outcome JointSolver::relax(const AssemblySettings& settings, double
   Outcome out;
   out.energy = evaluate(x, toward);
   out.evaluations = 1;
-  while (out.iterations < settings.max_iterations && residual_of() > settings.tolerance) {
+  while (out.iterations < settings.max_iterations && !balanced(settings.tolerance, x)) {
     x.noalias() -= kappa * free_gradient_;  // (4)
     out.energy = evaluate(x, toward);
     ++out.evaluations;
     ++out.iterations;
   }
   out.residual = residual_of();
-  out.balanced = out.residual <= settings.tolerance;
+  out.balanced = balanced(settings.tolerance, x);
   return out;
 }
 
@@ -154,9 +173,12 @@ JointSolver::Outcome JointSolver::solve(const AssemblySettings& settings, double
   out.evaluations = 1;
   int pairs = 0, newest = kMemory - 1;
   const double longest = 0.5 * group_.spacing();
-  while (out.iterations < settings.max_iterations && residual_of() > settings.tolerance) {
-    group_.update_turns();
-    if (out.iterations % kRefactor == 0) modes_.factor();
+  while (out.iterations < settings.max_iterations && !balanced(settings.tolerance, x)) {
+    if (out.iterations % kRefactor == 0) {
+      follow_frames();
+    } else {
+      group_.update_turns();
+    }
     direction(pairs, newest);
     double slope = direction_.dot(free_gradient_);
     if (!(slope < 0.0)) {  // memory from elsewhere: begin again
@@ -204,7 +226,7 @@ JointSolver::Outcome JointSolver::solve(const AssemblySettings& settings, double
   }
   out.energy = energy;
   out.residual = residual_of();
-  out.balanced = out.residual <= settings.tolerance;
+  out.balanced = balanced(settings.tolerance, x);
   return out;
 }
 

@@ -41,6 +41,8 @@ class JointSolver {
  private:
   static constexpr int kMemory = 8;
   double residual_of() const;
+  bool balanced(double tolerance, const Eigen::VectorXd& x) const;
+  void follow_frames();
   void mask(Eigen::VectorXd& v) const;
   void direction(int pairs, int newest);
   Outcome relax(const AssemblySettings& settings, double kappa, Eigen::VectorXd& x,
@@ -49,6 +51,7 @@ class JointSolver {
 
   PartGroup& group_;
   bool single_;
+  bool frames_moved_ = true;  // since the joints' modes were factored
   JointModes modes_;
   std::vector<char> held_;
   Eigen::VectorXd inertia_;  // one a coordinate

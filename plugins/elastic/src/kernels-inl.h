@@ -18,9 +18,19 @@ namespace {
 #include "block_product-inl.h"
 #include "symmetric_product-inl.h"
 
-constexpr Kernels kKernels = {
-    kLanes,    kRows* kDepth + kColumns* kDepth, layer_potentials, cholesky, divide_transposed, divide,
-    add_square, kStripRows<float>, kStripRows<double>, block_product<float>, block_product<double>, symmetric_product<float>, symmetric_product<double>};
+constexpr Kernels kKernels = {kLanes,
+                              kRows* kDepth + kColumns* kDepth,
+                              layer_potentials,
+                              cholesky,
+                              divide_transposed,
+                              divide,
+                              add_square,
+                              kStripRows<float>,
+                              kStripRows<double>,
+                              block_product<float>,
+                              block_product<double>,
+                              symmetric_product<float>,
+                              symmetric_product<double>};
 
 }  // namespace
 

@@ -10,7 +10,17 @@ typedef double LoosePack __attribute__((vector_size(8 * kLanes), aligned(8), may
 
 SOFTPOINT_INLINE Pack load(const double* p) { return *reinterpret_cast<const LoosePack*>(p); }
 SOFTPOINT_INLINE void store(double* p, Pack v) { *reinterpret_cast<LoosePack*>(p) = v; }
-SOFTPOINT_INLINE Pack splat(double v) { return Pack{} + v; }
+// Straight from memory: by an addition, as the vector extension would have it, it takes the place of a
+// product.
+SOFTPOINT_INLINE Pack splat(double v) {
+#if SOFTPOINT_KERNEL_LANES == 8
+  return _mm512_set1_pd(v);
+#elif SOFTPOINT_KERNEL_LANES == 4
+  return _mm256_set1_pd(v);
+#else
+  return Pack{v, v};
+#endif
+}
 SOFTPOINT_INLINE Pack as_pack(Bits b) { return reinterpret_cast<Pack>(b); }
 SOFTPOINT_INLINE Bits as_bits(Pack v) { return reinterpret_cast<Bits>(v); }
 
