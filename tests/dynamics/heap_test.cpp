@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "softpoint/core/deformable_system.h"
+#include "softpoint/elastic/character.h"
+#include "support/characters.h"
 #include "support/elastic_bodies.h"
 #include "support/multibodies.h"
 #include "support/spring_net.h"
@@ -217,6 +219,46 @@ TEST(Step, TakesNothingFromTheHeapWithMultibodiesAndAnchors) {
                 bullets_own);
     EXPECT_LE(calls, bullets_own);
     EXPECT_EQ(system.profile().totals.guard_fired, 0);
+  }
+}
+
+TEST(Solve, OfAnAssemblyTakesNothingFromTheHeap) {
+  for (const bool exact : {false, true}) {
+    elastic::Assembly figure(branched_figure(1e5, {1e4, 500, 0, 0}),
+                             exact ? elastic::AssemblySettings::exact() : elastic::AssemblySettings{});
+    figure.hold({0, false}, elastic::Hold::kSurface);
+    figure.hold({1, true}, elastic::Hold::kPoint);
+    long long before = 0;
+    for (int i = 0; i < 40; ++i) {
+      if (i == 10) before = heap_calls;
+      figure.move({1, true}, Vec3(2.5 - 0.02 * i, 0.03 * i, 0.6 * (i % 2)));  // far: inverse kinematics too
+      figure.push({2, 1, 30}, Vec3(10.0 * i, 0, 5));
+      figure.set_gravity(Vec3(0, 0, -0.1 * i));
+      figure.solve();
+      if (i % 5 == 0) figure.clear_pushes();
+    }
+    EXPECT_EQ(heap_calls - before, 0) << (exact ? "exact" : "default");
+  }
+}
+
+TEST(Step, OfCharactersTakesNothingFromTheHeap) {
+  for (const bool inertia : {false, true}) {
+    TestWorld world;
+    world.add_floor();
+    DeformableSystem system(*world);
+    elastic::CharacterSettings settings;
+    settings.inertia = inertia;
+    elastic::Character character(chain_of(1), settings, Vec3(0, 0.52, 0));
+    character.setActivationState(DISABLE_DEACTIVATION);
+    system.add(character);
+    if (!inertia) {
+      character.hold({0, false}, elastic::Hold::kPoint);
+      character.hold({0, true}, elastic::Hold::kPoint);
+    }
+    const HandleId handle = system.grab(character, 60, character.points()[60] + Vec3(0.05, 0.05, 0), 500);
+    world.step(90);
+    EXPECT_EQ(heap_calls_of(world, 30), 0) << (inertia ? "inertia" : "hands");
+    EXPECT_TRUE(system.holds(handle));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "softpoint/elastic/assembly.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -197,7 +198,8 @@ void Assembly::move(const PartEnd& end, const Vec3& position, const Mat3& turn) 
   const Impl::Place place = impl_->held_place(end);
   check_range("move: position", position, -kMaxPosition, kMaxPosition);
   check_range("move: turn, distance from a rotation matrix",
-              (turn.transpose() * turn - Mat3::Identity()).norm(), 0.0, 1e-6);
+              (turn.transpose() * turn - Mat3::Identity()).norm() + std::abs(turn.determinant() - 1.0), 0.0,
+              1e-6);
   GroupState& state = *place.state;
   const PartGroup::Joint& joint = state.group.joints()[place.joint];
   const Eigen::VectorXd& rest = state.group.rest();
