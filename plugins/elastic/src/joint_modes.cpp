@@ -225,15 +225,20 @@ void JointModes::factor() {
   constexpr double kPinned = 1e-3;
   for (Node& node : nodes_) {
     if (node.pinned) node.inverse.diagonal().tail<3>() *= 1.0 + kPinned;
+    // Lengths and angles differ in scale: what is loose is judged against the joint's own stiffness, which
+    // elimination may leave as rounding of either sign.
+    for (int m = 0; m < 6; ++m) {
+      const double own = node.inverse(m, m);
+      node.scale[m] = own > 0.0 ? 1.0 / std::sqrt(own) : 0.0;
+    }
+    if (node.held) node.scale.setOnes();
   }
   for (const int j : order_) {
     Node& node = nodes_[static_cast<std::size_t>(j)];
     Matrix6 d = node.inverse;
     if (node.held) d.setIdentity();
     d = 0.5 * (d + d.transpose()).eval();
-    // Lengths and angles differ in scale: judge what is loose after scaling by the diagonal.
-    Vector6 scale;
-    for (int m = 0; m < 6; ++m) scale[m] = 1.0 / std::sqrt(std::max(d(m, m), 1e-300));
+    const Vector6 scale = node.scale;
     const Matrix6 even = scale.asDiagonal() * d * scale.asDiagonal();
     const Eigen::LLT<Matrix6> llt(even);
     const auto pivots = llt.matrixLLT().diagonal();

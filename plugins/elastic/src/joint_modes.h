@@ -30,8 +30,9 @@ class JointModes {
     int warping = 0;                                 // of warpings_
     int column = 0;                                  // among its joints
     Matrix6 rest_inertia = Matrix6::Zero();
-    bool held = false;    // all of it: no modes
-    bool pinned = false;  // some points of it
+    Vector6 scale = Vector6::Ones();  // by which the joint's own stiffness becomes one
+    bool held = false;                // all of it: no modes
+    bool pinned = false;              // some points of it
     Matrix6 inverse = Matrix6::Zero();
     std::vector<std::pair<int, int>> couplings;  // {joint eliminated later, index of links_}
     Vector6 value = Vector6::Zero();
