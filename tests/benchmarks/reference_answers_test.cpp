@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "benchmarks/whole_bar.h"
 #include "support/exact_beam.h"
 #include "support/prism_section.h"
 
@@ -110,6 +111,36 @@ TEST(ExactBeam, FindsTheForceForADeflection) {
   const Beam beam = prism_beam(16, 0.5, 13.0, 1e5, 0.3);
   const double force = force_for_deflection(beam, 0.5);
   EXPECT_NEAR(solve_beam(beam, {force, 0.0, 0.0}).back().x, 6.5, 2e-9);
+}
+
+TEST(WholeBar, RefinedMeshesApproachTheReference) {
+  const BarStiffness reference = whole_bar_stiffness(2);
+  double last[3] = {1.0, 1.0, 1.0};
+  const double gate[3] = {3e-4, 1.2e-2, 5e-3};
+  for (int level : {1, 2}) {
+    const BarStiffness k = solve_refined_bar(2, level, 0.3).stiffness;
+    const double error[3] = {k.stretch / reference.stretch - 1.0, k.twist / reference.twist - 1.0,
+                             k.bend / reference.bend - 1.0};
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_LT(std::abs(error[i]), last[i]);
+      last[i] = std::abs(error[i]);
+      if (level == 2) {
+        EXPECT_LE(last[i], gate[i]);
+      }
+    }
+  }
+}
+
+TEST(WholeBar, StretchedProfileJoinsItsParts) {
+  for (int parts : {4, 7, 13}) {
+    EXPECT_NEAR(stretched(parts, 0.0).second, 0.5, 1e-12);
+    EXPECT_NEAR(stretched(parts, 0.0).first, 0.0, 1e-12);
+    const auto a = stretched(parts, 2.0 - 1e-9), b = stretched(parts, 2.0);
+    EXPECT_NEAR(a.first / b.first, 1.0, 1e-6);
+    EXPECT_NEAR(a.second, b.second, 1e-4);
+    // Far from the plates: Poisson's ratio.
+    EXPECT_NEAR(b.first / (whole_bar_stiffness(parts).stretch / prism_section(16, 0.5).area), -0.15, 1e-4);
+  }
 }
 
 }  // namespace

@@ -9,20 +9,15 @@
 #include "softpoint/core/triangle_mesh.h"
 #include "softpoint/elastic/boundary_stiffness.h"
 #include "support/bar_mesh.h"
+#include "support/whole_bar_reference.h"
 
 // One whole bar with both caps clamped to rigid plates, linear, by the library's boundary elements.
 namespace softpoint::reference {
 
-// Forces that move the plates; E = 1 Pa. Plates are turned about their centres.
-struct BarStiffness {
-  double stretch = 0;  // force over the change of length, m
-  double twist = 0;    // torque over the angle between the plates about z, m^3
-  double bend = 0;     // moment over the angle between the plates, turned oppositely about y, m^3: no shear
-  double shear = 0;    // force over the sideways shift of one plate against the other, neither turned, m
-};
-
 struct WholeBar {
   BarStiffness stiffness;
+  double shear =
+      0;  // force over the sideways shift of one plate against the other, neither turned, m; E = 1 Pa
   Eigen::MatrixXd displacement;  // 3V x 4: stretched by 1 m, twisted, bent by 1 rad, sheared by 1 m
 };
 
@@ -62,7 +57,8 @@ inline WholeBar solve_whole_bar(const TriangleMesh& mesh, const std::vector<int>
   // Twice the strain energy: the stiffness of each motion.
   const Eigen::MatrixXd forces = s(held_dofs, Eigen::all) * u;
   const auto stiffness = [&](int c) { return given.col(c).dot(forces.col(c)); };
-  bar.stiffness = {stiffness(0), stiffness(1), stiffness(2), stiffness(3)};
+  bar.stiffness = {stiffness(0), stiffness(1), stiffness(2)};
+  bar.shear = stiffness(3);
   return bar;
 }
 
