@@ -16,8 +16,12 @@ STYLE = {
     "btSoftBody": ("#7b2d8b", "v", ""),
     "btDeformable": ("#1d5fa8", "D", ""),
 }
-TITLE = {"stretch": "stretched by 10 %", "bend": "bent by 90°", "twist": "twisted by 90°",
-         "push": "pushed to half its length"}
+TITLE = {"stretch": "stretched by 10 %", "bend": "bent by {angle:.0f}°", "twist": "twisted by {angle:.0f}°",
+         "push": "pushed by half their length"}
+# Which point bears the name (from the fastest), how far from it in points.
+LABEL = {"softpoint": (-1, (0, -14), "right"), "softpoint, (4)": (-1, (4, -16), "right"),
+         "the paper": (0, (-4, 7), "left"), "btSoftBody": (-1, (6, 8), "right"),
+         "btDeformable": (-1, (6, 7), "right")}
 MEASURES = (("end_error", "error of the end's force or moment\n(push: of the tip, in parts of the length), %"),
             ("position_error", "error of positions\n(in parts of how far they moved), %"))
 
@@ -39,7 +43,7 @@ def mark_default(axis, points):
             axis.annotate("default", (x, y), xytext=(0, 9), textcoords="offset points", ha="center")
 
 
-def draw(axis, rows, key, label_all):
+def draw(axis, rows, key):
     for method, (colour, marker, line) in STYLE.items():
         points = points_of(rows, method, key)
         if not points:
@@ -51,11 +55,8 @@ def draw(axis, rows, key, label_all):
             axis.plot([p[0] for p in drawn], [p[1] for p in drawn], line, color=colour, linewidth=1, alpha=0.6)
         if method == "softpoint":
             mark_default(axis, points)
-        if label_all:
-            right = max(drawn)
-            below = method in ("softpoint", "btDeformable")
-            axis.annotate(method, right[:2], xytext=(0, -13 if below else 7), textcoords="offset points",
-                          ha="right" if method != "the paper" else "center", color=colour, fontsize=10)
+        index, offset, side = LABEL[method]
+        axis.annotate(method, drawn[index][:2], xytext=offset, textcoords="offset points", ha=side, color=colour)
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.grid(True, alpha=0.3)
@@ -73,10 +74,11 @@ def main():
     for column, task in enumerate(tasks):
         for line, (key, name) in enumerate(MEASURES):
             axis = axes[line][column]
-            draw(axis, [row for row in rows if row["task"] == task], key, True)
+            draw(axis, [row for row in rows if row["task"] == task], key)
             if column == 0:
                 axis.set_ylabel(name)
-        axes[0][column].set_title(f"{parts} cylinders {TITLE[task]}")
+            axis.set_ylim((2e-2, 1e4) if line == 0 else (2e-2, 3e2))
+        axes[0][column].set_title(f"{parts} cylinders " + TITLE[task].format(angle=90 * int(parts) / 13))
         axes[1][column].set_xlabel("ms a frame, CPU time")
     figure.tight_layout()
     figure.savefig(target, dpi=80)
