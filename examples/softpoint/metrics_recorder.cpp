@@ -76,7 +76,11 @@ ordered_json machine() {
 }  // namespace
 
 MetricsRecorder::MetricsRecorder(Player& player)
-    : player_(player), first_frame_(player.frame()), start_(measure_state(player)), now_(start_) {
+    : player_(player),
+      first_frame_(player.frame()),
+      start_(measure_state(player)),
+      now_(start_),
+      articulations_(player) {
   largest_energy_ = least_energy_ = start_.energy();
 }
 
@@ -91,6 +95,8 @@ void MetricsRecorder::record() {
   const Penetration penetration = measure_penetration(player_);
   penetration_.vertex.take(penetration.vertex);
   penetration_.corner.take(penetration.corner);
+
+  articulations_.record();
 
   const FrameWork& work = player_.work();
   seconds_.step.push_back(work.step_seconds);
@@ -151,6 +157,9 @@ std::string MetricsRecorder::json() const {
                                 {"largest_change", largest_angular_momentum_change_}};
   result["penetration"] = {{"vertex_in_rigid", depth_json(penetration_.vertex)},
                            {"corner_in_skin", depth_json(penetration_.corner)}};
+  if (ordered_json characters = articulations_.json(); !characters.empty()) {
+    result["characters"] = std::move(characters);
+  }
   result["counts"] = {{"deformables", player_.deformable_count()},
                       {"rigid_bodies", player_.rigid_count()},
                       {"contacts", count(&FrameWork::contacts)},

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "metrics_articulation.h"
 #include "metrics_penetration.h"
 #include "metrics_state.h"
 #include "player.h"
@@ -33,6 +34,7 @@ class MetricsRecorder {
   double largest_momentum_change_ = 0, largest_angular_momentum_change_ = 0;
   double largest_energy_ = 0, least_energy_ = 0;
   Penetration penetration_;
+  ArticulationRecorder articulations_;
   Series seconds_;
   FrameWork sum_, largest_;
 };

@@ -59,7 +59,7 @@ void Player::build_deformables() {
   system_ = std::make_unique<DeformableSystem>(*world_, scene_.world.contact);
   for (const DeformableSpec& spec : scene_.deformables) {
     try {
-      deformables_.push_back(spec.make(scene_.world, spec.placement, spec.motion));
+      deformables_.push_back(spec.make({scene_.world, spec.placement, spec.motion, deformables_}));
     } catch (const Error& error) {
       throw Error(scene_.file + ": deformable \"" + spec.name + "\": " + error.what());
     }
@@ -114,6 +114,9 @@ void Player::apply(const Event& event) {
     handles_->grab(*grab, *deformables_[static_cast<std::size_t>(grab->deformable)].body,
                    near_point(grab->near, grab->near_body, ref),
                    grab->to ? &rigid_[static_cast<std::size_t>(*grab->to)]->body() : nullptr);
+  } else if (const auto* hold = std::get_if<HoldEvent>(&event.action)) {
+    DeformableActor& actor = deformables_[static_cast<std::size_t>(hold->deformable)];
+    handles_->hold(*hold, *actor.body, *actor.articulation);
   } else if (const auto* move = std::get_if<MoveEvent>(&event.action)) {
     handles_->move(*move, time());
   } else if (const auto* release = std::get_if<ReleaseEvent>(&event.action)) {

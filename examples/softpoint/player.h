@@ -49,6 +49,8 @@ class Player {
   const RigidActor& rigid(std::size_t k) const { return *rigid_[k]; }
   std::size_t deformable_count() const { return deformables_.size(); }
   const Deformable& deformable(std::size_t k) const { return *deformables_[k].body; }
+  // Of a body of parts; else null.
+  const Articulation* articulation(std::size_t k) const { return deformables_[k].articulation.get(); }
   // Is the body in the world now, or switched off?
   bool present(BodyRef body) const;
   // Centre of mass (m); of a plane, its position.
@@ -63,11 +65,21 @@ class Player {
   void put(BodyRef body, bool present);
   Vec3 near_point(const Vec3& near, bool from_body, BodyRef body) const;
 
+  // The last goes first: a character lets go of its exoskeleton.
+  struct Actors : std::vector<DeformableActor> {
+    Actors() = default;
+    Actors(const Actors&) = delete;
+    Actors& operator=(const Actors&) = delete;
+    ~Actors() {
+      while (!empty()) pop_back();
+    }
+  };
+
   Scene scene_;
   Overlays overlays_;
   StockWorld world_;
   std::vector<std::unique_ptr<RigidActor>> rigid_;
-  std::vector<DeformableActor> deformables_;
+  Actors deformables_;
   std::unique_ptr<DeformableSystem> system_;  // after the bodies: leaves the world before they go
   std::unique_ptr<HandleSet> handles_;
   std::vector<char> rigid_present_, deformable_present_;

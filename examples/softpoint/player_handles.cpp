@@ -62,19 +62,38 @@ void HandleSet::grab(const GrabEvent& event, Deformable& body, const Vec3& near,
   }
 }
 
+void HandleSet::hold(const HoldEvent& event, Deformable& body, Articulation& articulation) {
+  Handle& handle = handles_[static_cast<std::size_t>(event.handle)];
+  handle = {};
+  handle.body = &body;
+  handle.articulation = &articulation;
+  handle.end = event.end;
+  articulation.hold(event.end, event.surface);
+  handle.position = articulation.position(event.end);
+  handle.turn = articulation.turn(event.end);
+}
+
 void HandleSet::move(const MoveEvent& event, double now) {
   Handle& handle = handles_[static_cast<std::size_t>(event.handle)];
   Vec3 origin = Vec3::Zero();
   if (event.origin == Origin::kHandle) {
     origin = handle.position;
   } else if (event.origin == Origin::kBody) {
-    origin = handle.held.front().body->center_of_mass();
+    origin = (handle.articulation != nullptr ? handle.body : handle.held.front().body)->center_of_mass();
   }
   std::vector<Keyframe> keyframes = {{now, handle.position}};
   for (const Keyframe& key : event.keyframes) {
     keyframes.push_back({now + key.time, origin + key.value});
   }
   handle.path = Path(std::move(keyframes), event.timing);
+  handle.turns = {};
+  if (!event.turns.empty()) {
+    std::vector<Keyframe> turns = {{now, handle.turn}};
+    for (const Keyframe& key : event.turns) {
+      turns.push_back({now + key.time, key.value});
+    }
+    handle.turns = Path(std::move(turns), event.timing);
+  }
 }
 
 void HandleSet::release(int index) {
@@ -83,10 +102,18 @@ void HandleSet::release(int index) {
     system_.release(held.id);
   }
   handle.held.clear();
+  if (handle.articulation != nullptr) {
+    handle.articulation->release(handle.end);
+    handle.articulation = nullptr;
+  }
 }
 
 void HandleSet::forget(const Deformable& body) {
   for (Handle& handle : handles_) {
+    if (handle.articulation != nullptr && handle.body == &body) {
+      handle.articulation->release(handle.end);
+      handle.articulation = nullptr;
+    }
     std::erase_if(handle.held, [&](const Held& held) { return held.body == &body; });
   }
 }
@@ -109,10 +136,17 @@ Vec3 HandleSet::target(std::size_t handle, const Held& held) const {
 
 void HandleSet::lead(double now) {
   for (Handle& handle : handles_) {
-    if (handle.held.empty() || handle.path.empty()) {
+    if ((handle.held.empty() && handle.articulation == nullptr) || handle.path.empty()) {
       continue;
     }
     handle.position = handle.path.at(now);
+    if (handle.articulation != nullptr) {
+      std::optional<Vec3> turn;
+      if (!handle.turns.empty()) {
+        turn = handle.turn = handle.turns.at(now);
+      }
+      handle.articulation->move(handle.end, handle.position, turn);
+    }
     for (const Held& held : handle.held) {
       system_.move(held.id, handle.position + held.offset);
     }
@@ -124,7 +158,13 @@ Vec3 HandleSet::force(std::size_t handle) const {
   for (const Held& held : handles_[handle].held) {
     sum += system_.handle_force(held.id);
   }
-  return sum;
+  const Handle& of = handles_[handle];
+  return of.articulation != nullptr ? of.articulation->force(of.end) : sum;
+}
+
+std::optional<Vec3> HandleSet::held_end(std::size_t handle) const {
+  const Handle& of = handles_[handle];
+  return of.articulation != nullptr ? std::optional<Vec3>(of.articulation->position(of.end)) : std::nullopt;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

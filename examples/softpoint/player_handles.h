@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "scene.h"
@@ -24,6 +25,8 @@ class HandleSet {
 
   // `near` in the world; used where the event names no vertices. `to`: the body of an attach event.
   void grab(const GrabEvent& event, Deformable& body, const Vec3& near, const btCollisionObject* to);
+  // An end of a part; `body` and its `articulation`.
+  void hold(const HoldEvent& event, Deformable& body, Articulation& articulation);
   void move(const MoveEvent& event, double now);
   void release(int handle);
   // The body has left the system, and took what held it along.
@@ -35,6 +38,8 @@ class HandleSet {
 
   std::size_t count() const { return handles_.size(); }
   const std::vector<Held>& held(std::size_t handle) const { return handles_[handle].held; }
+  // Where a handle holds the end of a part (m), if it does.
+  std::optional<Vec3> held_end(std::size_t handle) const;
   // m; where the handle is led to now.
   const Vec3& position(std::size_t handle) const { return handles_[handle].position; }
   // m; where a held point is to be now.
@@ -47,6 +52,12 @@ class HandleSet {
     std::vector<Held> held;
     Vec3 position = Vec3::Zero();
     Path path;  // times of the scene
+    // The end of a part.
+    Deformable* body = nullptr;
+    Articulation* articulation = nullptr;  // null: none is held
+    int end = 0;
+    Vec3 turn = Vec3::Zero();  // axis times angle (rad), from the rest pose
+    Path turns;
   };
 
   DeformableSystem& system_;

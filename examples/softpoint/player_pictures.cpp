@@ -54,6 +54,7 @@ PictureTaker::PictureTaker(Player& player, const PictureOptions& options)
       options_(options),
       renderer_((make_folder(options.folder), render_settings(options))),
       painter_(renderer_),
+      pieces_(player, renderer_, painter_),
       sheet_(sheet_settings(player.scene().pictures, options.width)) {
   const PictureSpec& spec = player.scene().pictures;
   const double step = player.scene().world.time_step;
@@ -168,6 +169,7 @@ void PictureTaker::draw() {
   }
   renderer_.begin(camera());
   painter_.draw(player_.world());
+  pieces_.draw();
   draw_overlays();
   if (const std::string text = caption(); !text.empty()) {
     renderer_.draw_text(12, 12, text);
@@ -194,6 +196,13 @@ void PictureTaker::draw_overlays() {
   }
   const HandleSet& handles = player_.handles();
   for (std::size_t h = 0; h < handles.count(); ++h) {
+    if (const auto end = handles.held_end(h)) {
+      renderer_.draw_point(*end, kHandleColor, 4.5, true);
+      const Vec3 force = handles.force(h);
+      if (overlays.forces && force.norm() > kLeastForce) {
+        draw_force(*end, scale * force, kHandleColor);
+      }
+    }
     for (const HandleSet::Held& held : handles.held(h)) {
       const Vec3& point = held.body->points()[static_cast<std::size_t>(held.point)];
       const Vec3 target = handles.target(h, held);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "picture_output.h"
+#include "picture_pieces.h"
 #include "player.h"
 #include "softpoint/picture/contact_sheet.h"
 #include "softpoint/picture/renderer.h"
@@ -42,6 +43,7 @@ class PictureTaker final : public PictureOutput {
   std::optional<Vec3> followed_from_;
   picture::Renderer renderer_;
   picture::WorldPainter painter_;
+  PiecePainter pieces_;
   picture::ContactSheet sheet_;
   std::unique_ptr<picture::VideoWriter> film_;
   double film_fps_ = 0;

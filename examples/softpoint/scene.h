@@ -4,10 +4,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "articulation.h"
 #include "scene_path.h"
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/core/triangle_mesh.h"
@@ -84,9 +86,20 @@ struct RigidBodySpec {
 struct DeformableActor {
   std::unique_ptr<Deformable> body;
   std::map<std::string, std::function<void(bool)>> switches;
+  std::unique_ptr<Articulation> articulation;  // of a body of parts
 };
 
-using MakeDeformable = std::function<DeformableActor(const WorldSpec&, const Placement&, const Motion&)>;
+// What making a deformable starts from. `before`: the bodies before it in the scene, made already.
+struct MakeContext {
+  const WorldSpec& world;
+  Placement placement;
+  Motion motion;
+  std::span<const DeformableActor> before;
+};
+using MakeDeformable = std::function<DeformableActor(const MakeContext&)>;
+
+// How a deformable is drawn.
+enum class Look { kSolid, kEdges, kHidden };
 
 struct DeformableSpec {
   std::string name, plugin;
@@ -95,8 +108,11 @@ struct DeformableSpec {
   double friction = 0.5, restitution = 0;
   bool may_sleep = true;
   std::optional<Rgb> color;
+  Look look = Look::kSolid;
   int vertex_count = 0;
   std::vector<std::string> switches;
+  std::vector<std::string> parts;       // names, of a body of parts
+  std::vector<std::string> taken_ends;  // per end, why it cannot be held; "" if it can
   MakeDeformable make;
 };
 
@@ -117,6 +133,13 @@ struct GrabEvent {  // one point, or several that stay together
   bool collide = false;       // with that body
 };
 
+struct HoldEvent {  // an end of a part
+  int handle = 0;
+  int deformable = 0;
+  int end = 0;  // 2 part + (tip ? 1 : 0)
+  bool surface = true;
+};
+
 enum class Origin { kWorld, kHandle, kBody };
 
 struct MoveEvent {
@@ -124,6 +147,7 @@ struct MoveEvent {
   Origin origin = Origin::kWorld;
   Timing timing = Timing::kSmooth;
   std::vector<Keyframe> keyframes;  // times from the event on
+  std::vector<Keyframe> turns;      // axis times angle (rad), at the same times; empty: none
 };
 
 struct ReleaseEvent {
@@ -148,7 +172,7 @@ struct ToggleEvent {
 
 struct Event {
   double at = 0;  // s
-  std::variant<GrabEvent, MoveEvent, ReleaseEvent, ImpulseEvent, ToggleEvent> action;
+  std::variant<GrabEvent, HoldEvent, MoveEvent, ReleaseEvent, ImpulseEvent, ToggleEvent> action;
 };
 
 struct CameraSpec {

@@ -22,6 +22,8 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
   struct Held {
     int deformable;
     std::optional<int> to;  // rigid body
+    int end = -1;           // of a part
+    bool may_turn = false;  // the end's surface
   };
   std::map<int, Held> held;  // by handle
   std::set<std::pair<bool, int>> off;
@@ -30,10 +32,11 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
     const auto name = [&](int handle) { return scene.handles[static_cast<std::size_t>(handle)]; };
     const auto need_held = [&](int handle) {
       if (!held.contains(handle)) {
-        refuse(fmt::format(
-            "handle \"{}\" holds nothing at {} s; permitted is a handle between its grab, pin or attach "
-            "and its release",
-            name(handle), to_text(scene.events[k].at)));
+        refuse(
+            fmt::format("handle \"{}\" holds nothing at {} s; permitted is a handle between its grab, pin, "
+                        "attach or hold "
+                        "and its release",
+                        name(handle), to_text(scene.events[k].at)));
       }
     };
     const auto need_present = [&](BodyRef body) {
@@ -50,8 +53,23 @@ void check_event_order(const Scene& scene, const std::vector<std::string>& place
       if (!held.emplace(grab->handle, Held{grab->deformable, grab->to}).second) {
         refuse(fmt::format("handle \"{}\" already holds something; release it first", name(grab->handle)));
       }
+    } else if (const auto* hold = std::get_if<HoldEvent>(&action)) {
+      need_present({true, hold->deformable});
+      for (const auto& [handle, other] : held) {
+        if (other.deformable == hold->deformable && other.end == hold->end) {
+          refuse(fmt::format("handle \"{}\" holds this end already; release it first", name(handle)));
+        }
+      }
+      if (!held.emplace(hold->handle, Held{hold->deformable, {}, hold->end, hold->surface}).second) {
+        refuse(fmt::format("handle \"{}\" already holds something; release it first", name(hold->handle)));
+      }
     } else if (const auto* move = std::get_if<MoveEvent>(&action)) {
       need_held(move->handle);
+      if (!move->turns.empty() && !held.at(move->handle).may_turn) {
+        refuse(
+            fmt::format("turn: handle \"{}\" holds no surface of an end; permitted after a hold by surface",
+                        name(move->handle)));
+      }
       if (held.at(move->handle).to) {
         refuse(fmt::format("handle \"{}\" is attached to a body; permitted is one of grab or pin",
                            name(move->handle)));

@@ -8,6 +8,7 @@
 #include "json_reader_state.h"
 #include "nearest.h"
 #include "scene_body_ref.h"
+#include "scene_character_shapes.h"
 #include "scene_event_order.h"
 #include "scene_limits.h"
 
@@ -26,8 +27,11 @@ class EventReader {
   void read_grab(ObjectReader& item);
   void read_pin(ObjectReader& item);
   void read_attach(ObjectReader& item);
+  void read_hold(ObjectReader& item);
   void read_points(ObjectReader& item, GrabEvent& event);
   double read_max_force(ObjectReader& item, const std::string& doc);
+  static Vec3Spec turn_spec(const std::string& with);
+  static void read_keyframe(ObjectReader& item, int index, bool with_to, MoveEvent& move);
   void read_move(ObjectReader& item);
   void read_impulse(ObjectReader& item);
   void read_toggle(ObjectReader& item);
@@ -64,7 +68,7 @@ int EventReader::read_handle(ObjectReader& item) {
     const std::string meant = nearest(name, scene_.handles);
     item.refuse("handle",
                 scene_.handles.empty()
-                    ? "no event before this one grabs or pins anything"
+                    ? "no event before this one grabs, pins or holds anything"
                     : fmt::format("permitted are handles of events before: {}{}", joined(scene_.handles),
                                   meant.empty() ? "" : "; did you mean \"" + meant + "\"?"));
   }
@@ -124,6 +128,25 @@ void EventReader::read_attach(ObjectReader& item) {
   add(item, {at_, attach});
 }
 
+void EventReader::read_hold(ObjectReader& item) {
+  HoldEvent hold;
+  hold.handle = read_new_handle(item);
+  hold.deformable = read_body_ref(item, "body", scene_, true, "name of a character").index;
+  const std::string part = item.text("part", {.doc = "name of a part of it"});
+  const bool tip = item.choice<bool>("end", {{"root", false}, {"tip", true}}, {.doc = "of the part's bone"});
+  hold.surface = item.choice<bool>(
+      "by", {{"surface", true}, {"point", false}},
+      {.fallback = "surface", .doc = "point: the end of the bone alone, round which the surface may turn"});
+  if (!item.describing()) {
+    const DeformableSpec& body = scene_.deformables[static_cast<std::size_t>(hold.deformable)];
+    hold.end = 2 * find_name(item, "part", part, body.parts) + (tip ? 1 : 0);
+    if (const std::string& why = body.taken_ends[static_cast<std::size_t>(hold.end)]; !why.empty()) {
+      item.refuse("end", "this end " + why + "; permitted are free ends");
+    }
+  }
+  add(item, {at_, hold});
+}
+
 double EventReader::read_max_force(ObjectReader& item, const std::string& doc) {
   return item
       .optional_number(
@@ -159,6 +182,33 @@ void EventReader::read_points(ObjectReader& item, GrabEvent& event) {
   event.near_body = read_near_frame(item);
 }
 
+Vec3Spec EventReader::turn_spec(const std::string& with) {
+  return {.quantity = Quantity::kAngle,
+          .low = -kMaxAngle,
+          .high = kMaxAngle,
+          .doc = with + "of a handle that holds the surface of an end: axis times angle, from the rest pose"};
+}
+
+void EventReader::read_keyframe(ObjectReader& item, int index, bool with_to, MoveEvent& move) {
+  Keyframe frame;
+  frame.time =
+      item.number("time", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .above = true});
+  frame.value = item.vec3("position", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace});
+  const auto turn = item.optional_vec3("turn", turn_spec("in all keyframes or none, "));
+  if (item.describing()) {
+    return;
+  }
+  if (!move.keyframes.empty() && frame.time <= move.keyframes.back().time) {
+    item.refuse("time", with_to ? "permitted are to and duration, or keyframes, not both"
+                                : "permitted are times in rising order");
+  }
+  if (index > 0 && turn.has_value() == move.turns.empty()) {
+    item.refuse("turn", "permitted in all keyframes or none");
+  }
+  move.keyframes.push_back(frame);
+  if (turn) move.turns.push_back({frame.time, *turn});
+}
+
 void EventReader::read_move(ObjectReader& item) {
   MoveEvent move;
   move.handle = read_handle(item);
@@ -177,25 +227,19 @@ void EventReader::read_move(ObjectReader& item) {
   const auto duration = item.optional_number(
       "duration",
       {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .above = true, .doc = "with to"});
+  const auto turn = item.optional_vec3("turn", turn_spec("with to, "));
   if (to.has_value() != duration.has_value()) {
     item.refuse("permitted are to and duration together, or keyframes");
   }
   if (to) {
     move.keyframes = {{*duration, *to}};
   }
+  if (turn && !item.describing()) {
+    if (!to) item.refuse("turn", "permitted with to and duration");
+    move.turns = {{*duration, *turn}};
+  }
   item.list("keyframes", {.min = 1, .optional = true, .doc = "positions at times after the event"},
-            [&](ObjectReader& key, int) {
-              Keyframe frame;
-              frame.time = key.number(
-                  "time", {.quantity = Quantity::kTime, .low = 0.0, .high = kMaxTime, .above = true});
-              frame.value =
-                  key.vec3("position", {.quantity = Quantity::kLength, .low = -kMaxPlace, .high = kMaxPlace});
-              if (!move.keyframes.empty() && frame.time <= move.keyframes.back().time) {
-                key.refuse("time", to ? "permitted are to and duration, or keyframes, not both"
-                                      : "permitted are times in rising order");
-              }
-              move.keyframes.push_back(frame);
-            });
+            [&](ObjectReader& key, int index) { read_keyframe(key, index, to.has_value(), move); });
   if (!item.describing() && (move.keyframes.empty() || (to && item.has("keyframes")))) {
     item.refuse("permitted is one of: to and duration, keyframes");
   }
@@ -262,6 +306,7 @@ void EventReader::read(ObjectReader& item) {
       {{"grab", "hold a vertex where it is", [&](ObjectReader& r) { read_grab(r); }},
        {"pin", "hold vertices where they are", [&](ObjectReader& r) { read_pin(r); }},
        {"attach", "tie vertices to a rigid body where they are", [&](ObjectReader& r) { read_attach(r); }},
+       {"hold", "hold an end of a part of a character where it is", [&](ObjectReader& r) { read_hold(r); }},
        {"move", "lead a handle", [&](ObjectReader& r) { read_move(r); }},
        {"release", "let go",
         [&](ObjectReader& r) {

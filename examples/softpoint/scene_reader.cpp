@@ -71,7 +71,7 @@ void read_world(ObjectReader& item, WorldSpec& world) {
                        [&](ObjectReader& contact) { read_contact(contact, world.contact); });
 }
 
-DeformableSpec read_deformable(ObjectReader& item, const DeformablePlugins& plugins) {
+DeformableSpec read_deformable(ObjectReader& item, const DeformablePlugins& plugins, const Scene& scene) {
   DeformableSpec body;
   body.name = item.text("name", {.fallback = "", .doc = "unique; for events and results"});
   body.placement = read_placement(item);
@@ -84,6 +84,9 @@ DeformableSpec read_deformable(ObjectReader& item, const DeformablePlugins& plug
   body.may_sleep =
       item.boolean("may_sleep", {.fallback = true, .doc = "it may be stopped with all it touches when slow"});
   body.color = read_color(item);
+  body.look = item.choice<Look>(
+      "look", {{"solid", Look::kSolid}, {"edges", Look::kEdges}, {"hidden", Look::kHidden}},
+      {.fallback = "solid", .doc = "edges: a wire frame of its edges, without diagonals of flat quads"});
   std::vector<Variant> variants;
   for (const DeformablePlugin& plugin : plugins) {
     std::string doc = plugin.doc;
@@ -91,11 +94,13 @@ DeformableSpec read_deformable(ObjectReader& item, const DeformablePlugins& plug
       doc += (&name == &plugin.switches.front() ? " (switches: " : ", ") + name;
     }
     doc += plugin.switches.empty() ? "" : ")";
-    variants.push_back({plugin.name, doc, [&body, &plugin](ObjectReader& reader) {
+    variants.push_back({plugin.name, doc, [&body, &plugin, &scene](ObjectReader& reader) {
                           body.plugin = plugin.name;
                           body.switches = plugin.switches;
-                          DeformablePlan plan = plugin.read(reader);
+                          DeformablePlan plan = plugin.read(reader, scene);
                           body.vertex_count = plan.vertex_count;
+                          body.parts = std::move(plan.parts);
+                          body.taken_ends = std::move(plan.taken_ends);
                           body.make = std::move(plan.make);
                         }});
   }
@@ -154,7 +159,7 @@ void read_scene(ObjectReader& root, const DeformablePlugins& plugins, Scene& sce
     scene.rigid_bodies.push_back(std::move(body));
   });
   root.list("deformables", {.optional = true}, [&](ObjectReader& item, int index) {
-    DeformableSpec body = read_deformable(item, plugins);
+    DeformableSpec body = read_deformable(item, plugins, scene);
     names.settle(item, body.name, "deformable", index);
     scene.deformables.push_back(std::move(body));
   });
