@@ -39,6 +39,52 @@ json scene() {
       {"rigid_bodies", {{{"shape", "plane"}, {"name", "floor"}}}}, {"deformables", {cube()}}, {"frames", 3}};
 }
 
+// Characters of every kind of shape, held and hung in every way.
+std::vector<json> characters() {
+  std::vector<json> all;
+  json d = scene();
+  d["world"] = json::parse(R"({"gravity": [0, -9.81, 0]})");
+  d["deformables"].push_back(json::parse(R"({"name": "limb", "plugin": "character", "position": [0, 0.8, 0],
+    "look": "solid", "material": {"young": 1e5, "poisson": 0.3, "density": 500},
+    "inertia": false, "weight": true, "reaction": true,
+    "joints": {"method": "equilibrium", "tolerance": 1e-3, "max_iterations": 12, "kappa": 0,
+      "predictor": "automatic", "ik_sweeps": 10, "precision": "single"},
+    "shapes": [{"name": "link", "kind": "prism", "sides": 3, "stacks": 1, "radius": 0.05, "length": 0.1}],
+    "parts": [{"name": "arm", "segments": [{"shape": "link", "count": 2}], "root": [0, 0, 0], "axis": [1, 0, 0],
+      "roll": 0.1, "color": [1, 0, 0],
+      "bone": {"length_stiffness": 10, "angle_stiffness": 1, "mass": 0.1, "damping": 1}}],
+    "exoskeleton": "cube", "attachments": [{"part": "arm", "end": "root", "vertex": 1},
+      {"part": "arm", "end": "tip", "near": [0.2, 0.5, 0.2]}]})"));
+  all.push_back(d);
+  d = scene();
+  d["deformables"].push_back(json::parse(R"({"name": "limb", "plugin": "character", "position": [0, 0.8, 0],
+    "inertia": true, "joints": {"method": "richardson", "max_iterations": 5, "kappa": 0, "precision": "double"},
+    "material": {"young": 1e5, "poisson": 0.3, "density": 500},
+    "shapes": [
+      {"name": "block", "kind": "box", "cells": [4, 4, 4], "size": [0.4, 0.4, 0.4],
+        "patches": [{"name": "side", "side": "+x", "cells": 2, "radius": 0.1, "along": 0, "across": 0}]},
+      {"name": "link", "kind": "prism", "sides": 8, "stacks": 1, "radius": 0.1, "length": 0.2}],
+    "parts": [{"name": "trunk", "segments": [{"shape": "block"}]},
+      {"name": "arm", "segments": [{"shape": "link"}], "root": [0.2, 0, 0.2], "axis": [1, 0, 0]}],
+    "joins": [{"part": "arm", "end": "root", "to": "trunk", "segment": 0, "patch": "side"}],
+    "holds": [{"part": "trunk", "end": "root", "by": "point"}]})"));
+  d["events"] = json::parse(R"([
+    {"at": 0, "do": "hold", "handle": "h", "body": "limb", "part": "arm", "end": "tip", "by": "surface"},
+    {"at": 0, "do": "move", "handle": "h", "to": [0.4, 1, 0.2], "duration": 0.5, "turn": [0, 0, 1]}])");
+  all.push_back(d);
+  d["events"][1] = json::parse(R"({"at": 0, "do": "move", "handle": "h",
+    "keyframes": [{"time": 0.5, "position": [0.4, 1, 0.2], "turn": [0, 0, 1]}]})");
+  all.push_back(d);
+  d = scene();
+  d["deformables"].push_back(json::parse(R"({"name": "gem", "plugin": "character", "position": [0, 0.8, 0],
+    "material": {"young": 1e5}, "holds": [{"part": "gem", "end": "root"}],
+    "shapes": [{"name": "gem", "kind": "obj", "file": "gem.obj", "scale": 1,
+      "interfaces": [{"vertices": [0, 1, 2]}, {"vertices": [3, 4, 5]}]}],
+    "parts": [{"name": "gem", "segments": [{"shape": "gem"}]}]})"));
+  all.push_back(d);
+  return all;
+}
+
 // Small documents that hold all keys between them.
 std::vector<json> scenes() {
   std::vector<json> all;
@@ -134,6 +180,7 @@ std::vector<json> scenes() {
     d["events"] = json::parse(list);
     all.push_back(d);
   }
+  for (json& character : characters()) all.push_back(std::move(character));
   return all;
 }
 
