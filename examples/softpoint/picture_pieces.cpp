@@ -14,7 +14,7 @@ constexpr double kFlat = 1e-6;      // 1 - cosine of the angle between faces of 
 constexpr float kLighter = 0.55F;   // towards white
 constexpr double kEdgeWidth = 2.0;  // pixels
 
-picture::Color to_color(const Vec3& rgb) {
+picture::Color rgb_color(const Vec3& rgb) {
   return {static_cast<float>(rgb.x()), static_cast<float>(rgb.y()), static_cast<float>(rgb.z())};
 }
 
@@ -62,7 +62,7 @@ PiecePainter::PiecePainter(const Player& player, picture::Renderer& renderer, pi
   for (std::size_t k = 0; k < player.deformable_count(); ++k) {
     const DeformableSpec& spec = player.scene().deformables[k];
     const picture::Color own =
-        spec.color ? to_color(*spec.color) : painter.material(player.deformable(k)).color;
+        spec.color ? rgb_color(*spec.color) : painter.material(player.deformable(k)).color;
     const bool parts = player.articulation(k) != nullptr;
     if (spec.look == Look::kSolid && !parts) continue;
     painter.set_visible(player.deformable(k), false);
@@ -75,7 +75,7 @@ void PiecePainter::add_pieces(std::size_t body, picture::Color own) {
   const auto points = player_.deformable(body).points();
   std::map<std::array<float, 3>, std::vector<const Piece*>> by_color;
   for (const Piece& piece : player_.articulation(body)->pieces()) {
-    const picture::Color plain = piece.color ? to_color(*piece.color) : own;
+    const picture::Color plain = piece.color ? rgb_color(*piece.color) : own;
     const picture::Color color = piece.lighter ? lightened(plain) : plain;
     by_color[{color.r, color.g, color.b}].push_back(&piece);
   }

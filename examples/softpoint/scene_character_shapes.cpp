@@ -157,6 +157,16 @@ void read_obj_shape(ObjectReader& reader, NamedShape& shape) {
               });
 }
 
+// A closed surface with free vertices.
+void check_whole(const elastic::SegmentShape& shape) {
+  check_closed(shape.mesh);
+  std::size_t joined = 0;
+  for (const auto& interface : shape.interfaces) joined += interface.size();
+  if (joined >= shape.mesh.vertices.size()) {
+    throw Error("every vertex lies on a joining surface; permitted are shapes with free vertices between");
+  }
+}
+
 }  // namespace
 
 int find_name(ObjectReader& item, std::string_view key, const std::string& name,
@@ -188,7 +198,7 @@ std::vector<NamedShape> read_segment_shapes(ObjectReader& item) {
       return [&shape, read](ObjectReader& kind) {
         try {
           read(kind, shape);
-          if (!kind.describing()) check_closed(shape.shape.mesh);
+          if (!kind.describing()) check_whole(shape.shape);
         } catch (const Error& error) {
           // What the readers refuse says where already.
           const std::string message = error.what();

@@ -49,7 +49,7 @@ std::vector<json> characters() {
     "inertia": false, "weight": true, "reaction": true,
     "joints": {"method": "equilibrium", "tolerance": 1e-3, "max_iterations": 12, "kappa": 0,
       "predictor": "automatic", "ik_sweeps": 10, "precision": "single"},
-    "shapes": [{"name": "link", "kind": "prism", "sides": 3, "stacks": 1, "radius": 0.05, "length": 0.1}],
+    "shapes": [{"name": "link", "kind": "prism", "sides": 3, "stacks": 2, "radius": 0.05, "length": 0.1}],
     "parts": [{"name": "arm", "segments": [{"shape": "link", "count": 2}], "root": [0, 0, 0], "axis": [1, 0, 0],
       "roll": 0.1, "color": [1, 0, 0],
       "bone": {"length_stiffness": 10, "angle_stiffness": 1, "mass": 0.1, "damping": 1}}],
@@ -58,16 +58,18 @@ std::vector<json> characters() {
   all.push_back(d);
   d = scene();
   d["deformables"].push_back(json::parse(R"({"name": "limb", "plugin": "character", "position": [0, 0.8, 0],
-    "inertia": true, "joints": {"method": "richardson", "max_iterations": 5, "kappa": 0, "precision": "double"},
+    "inertia": true, "joints": {"method": "richardson", "max_iterations": 5, "precision": "double"},
     "material": {"young": 1e5, "poisson": 0.3, "density": 500},
     "shapes": [
       {"name": "block", "kind": "box", "cells": [4, 4, 4], "size": [0.4, 0.4, 0.4],
         "patches": [{"name": "side", "side": "+x", "cells": 2, "radius": 0.1, "along": 0, "across": 0}]},
-      {"name": "link", "kind": "prism", "sides": 8, "stacks": 1, "radius": 0.1, "length": 0.2}],
+      {"name": "link", "kind": "prism", "sides": 8, "stacks": 2, "radius": 0.1, "length": 0.2}],
     "parts": [{"name": "trunk", "segments": [{"shape": "block"}]},
       {"name": "arm", "segments": [{"shape": "link"}], "root": [0.2, 0, 0.2], "axis": [1, 0, 0]}],
     "joins": [{"part": "arm", "end": "root", "to": "trunk", "segment": 0, "patch": "side"}],
     "holds": [{"part": "trunk", "end": "root", "by": "point"}]})"));
+  all.push_back(d);
+  d["deformables"][1]["joints"] = json::parse(R"({"precision": "double"})");
   d["events"] = json::parse(R"([
     {"at": 0, "do": "hold", "handle": "h", "body": "limb", "part": "arm", "end": "tip", "by": "surface"},
     {"at": 0, "do": "move", "handle": "h", "to": [0.4, 1, 0.2], "duration": 0.5, "turn": [0, 0, 1]}])");

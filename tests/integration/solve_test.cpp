@@ -205,7 +205,9 @@ TEST_F(Solve, RefusesInOneLineWithExitCodeOne) {
        [](json& p) { p["material"]["young"] = "1 kg"; },
        {"/material/young = \"1 kg\"", "pressure"}},
       {"poisson", [](json& p) { p["material"]["poisson"] = 0.5; }, {"/material/poisson = 0.5", "0.49"}},
-      {"negative", [](json& p) { p["material"]["young"] = -5; }, {"/material/young = -5", "1e-06 to 1e+15 Pa"}},
+      {"negative",
+       [](json& p) { p["material"]["young"] = -5; },
+       {"/material/young = -5", "1e-06 to 1e+15 Pa"}},
       {"vertex",
        [](json& p) {
          p["displacement"] = {{{"vertices", {8}}, {"value", {0, 0, 0}}}};
