@@ -184,7 +184,7 @@ DeformableActor make_character(const CharacterPlan& plan, const MakeContext& con
     character->attach(attachment.end, exoskeleton, exoskeleton_vertex(attachment, exoskeleton, *character));
   }
   character->set_joint_settings(
-      plan.settings.joints);  // refuses a kappa beyond the limit of what is held now
+      plan.settings.joints);
   DeformableActor actor;
   actor.articulation = std::make_unique<CharacterArticulation>(*character, plan, context.placement);
   actor.body = std::move(character);
