@@ -74,7 +74,8 @@ Fields fields_of(CacheSettings& settings) {
 }
 
 Fields fields_of(ElasticSettings& settings) {
-  auto& [time_step, stiffness, cache] = settings;
+  auto& [time_step, stiffness, single_precision, cache] = settings;
+  static_cast<void>(single_precision);  // both are permitted
   Fields fields{{"time_step", time_step, 1e-6, 1.0}};
   add_fields(fields, fields_of(stiffness));
   add_fields(fields, fields_of(cache));

@@ -25,6 +25,7 @@ struct GroupState {
   double energy = 0;         // J, at the last solve
   bool changed = true;       // something to solve for
   bool solved = false;       // in the last solve
+  bool forces_due = false;   // the solver's gradient and the energies are not those of x
   bool factored = false;     // for the present holders
   bool skin_changed = true;  // pushes or gravity, which bend the skin without moving a joint
 };
@@ -41,6 +42,8 @@ struct Assembly::Impl {
   Place held_place(const PartEnd& end) const;
   void apply_move(const PartEnd& end, const Vec3& position, const Mat3& turn);
   void solve_group(GroupState& state);
+  // Forces and energy of a group that was placed but not solved: found when somebody asks.
+  static void find_forces(GroupState& state);
   double carry_along(GroupState& state);
   int predict_bones(GroupState& state);
   void skin(GroupState& state);

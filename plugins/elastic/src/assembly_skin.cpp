@@ -33,7 +33,6 @@ void Assembly::Impl::skin(GroupState& state) {
     const PackedModel& packed = *models[m];
     const SegmentModel& model = *packed.model;
     const Eigen::Index depth = packed.free_response.depth(), rows = packed.free_response.padded_rows();
-    const auto free = static_cast<std::size_t>(model.free_points());
     dirty.clear();
     for (std::size_t s = 0; s < group.segments().size(); ++s) {
       const PartGroup::Segment& segment = group.segments()[s];
@@ -58,17 +57,10 @@ void Assembly::Impl::skin(GroupState& state) {
       const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(dirty[k])];
       double* const u = bulge.data() + static_cast<Eigen::Index>(k) * rows;
       add_loads(group, dirty[k], packed, u);
-      const std::vector<int>& point_of = layout.point_of[static_cast<std::size_t>(segment.placed)];
-      const Mat3 r = segment.rotation;
-      const Vec3 at = segment.mean - r * packed.mean;
-      for (std::size_t i = 0; i < free; ++i) {
-        const auto v = static_cast<std::size_t>(model.free_vertices[i]);
-        const Vec3& rest = model.mesh.vertices[v];
-        const double px = rest.x() + u[i], py = rest.y() + u[free + i], pz = rest.z() + u[2 * free + i];
-        points[static_cast<std::size_t>(point_of[v])] = {at.x() + r(0, 0) * px + r(0, 1) * py + r(0, 2) * pz,
-                                                         at.y() + r(1, 0) * px + r(1, 1) * py + r(1, 2) * pz,
-                                                         at.z() + r(2, 0) * px + r(2, 1) * py + r(2, 2) * pz};
-      }
+      const Vec3 at = segment.mean - segment.rotation * packed.mean;
+      const int first = layout.first_free[static_cast<std::size_t>(segment.placed)];
+      kernels->place_points(packed.free_rest.data(), u, segment.rotation.data(), at.data(),
+                            model.free_points(), points[static_cast<std::size_t>(first)].data());
     }
   }
   for (std::size_t j = 0; j < group.joints().size(); ++j) {

@@ -125,10 +125,17 @@ double Assembly::Impl::carry_along(GroupState& state) {
   const double size = moment.norm();
   const Mat3 turn =
       size > 0.0 ? nearest_rotation(moment / size + 1e-6 * Mat3::Identity()) : Mat3(Mat3::Identity());
+  for (PartGroup::Segment& segment : state.group.segments()) segment.rotation = turn * segment.rotation;
   each_point(false, [&](Eigen::Index at, Eigen::Index stride) {
     put(state.x, at, stride, to + turn * (group.point(state.x, at, stride) - from));
   });
   return farthest;
+}
+
+void Assembly::Impl::find_forces(GroupState& state) {
+  if (!state.forces_due) return;
+  state.energy = state.solver.evaluate(state.x, state.toward);
+  state.forces_due = false;
 }
 
 void Assembly::Impl::solve_group(GroupState& state) {
@@ -147,13 +154,22 @@ void Assembly::Impl::solve_group(GroupState& state) {
     }
     report.ik_sweeps += predict_bones(state);
   }
+  if (settings.max_iterations == 0) {
+    group.fit_all(state.x);
+    state.forces_due = true;
+    state.changed = false;
+    report.balanced = false;
+    return;
+  }
   const long long products = group.products;
   const JointSolver::Outcome outcome = state.solver.solve(settings, kappa_of(state), state.x, state.toward);
   state.energy = outcome.energy;
+  state.forces_due = false;
   report.products += group.products - products;
   report.iterations += outcome.iterations;
   report.evaluations += outcome.evaluations;
   report.residual = std::max(report.residual, outcome.residual);
+  report.largest_turn = std::max(report.largest_turn, group.largest_turn());
   report.balanced = report.balanced && outcome.balanced;
   state.changed = !outcome.balanced;
 }

@@ -6,8 +6,12 @@
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
 
-// Of the forces, for the joints' response to them.
-constexpr double kResponse = 1e-4;
+// Of the forces, for the joints' response to them: as exact as the joints are to be, but good enough for
+// contact.
+double response_tolerance(const AssemblySettings& joints) {
+  return std::clamp(joints.tolerance, 1e-12, 1e-4);
+}
+
 // m per N s and second: what holds a held vertex gives way so little, but not by nothing.
 constexpr double kHeldMobility = 1e-9;
 
@@ -122,7 +126,7 @@ void Character::take_off_forces() {
   for (std::size_t g = 0; g < state.responses.size(); ++g) {
     State::Response& r = state.responses[g];
     if (!r.used) continue;
-    assembly_.impl_->groups[g]->solver.respond(r.load, r.joints, kResponse);
+    assembly_.impl_->groups[g]->solver.respond(r.load, r.joints, response_tolerance(settings_.joints));
     state.shift_skin(*assembly_.impl_, g, end_positions_);
   }
   for (const State::SkinForce& f : state.forces) dent(f.point, -f.force);
@@ -160,7 +164,8 @@ int Character::columns_of(int point) {
     column.resize(assembly_.impl_->groups[g]->group.size());
     state.responses[g].load.setZero();
     state_->add_joint_load(*assembly_.impl_, point, Vec3::Unit(a), state.responses[g].load);
-    assembly_.impl_->groups[g]->solver.respond(state.responses[g].load, column, kResponse);
+    assembly_.impl_->groups[g]->solver.respond(state.responses[g].load, column,
+                                               response_tolerance(settings_.joints));
   }
   return slot;
 }

@@ -16,6 +16,7 @@ namespace {
 #include "dense-inl.h"
 // after all
 #include "block_product-inl.h"
+#include "segment_frames-inl.h"
 #include "symmetric_product-inl.h"
 
 constexpr Kernels kKernels = {kLanes,
@@ -30,7 +31,14 @@ constexpr Kernels kKernels = {kLanes,
                               block_product<float>,
                               block_product<double>,
                               symmetric_product<float>,
-                              symmetric_product<double>};
+                              symmetric_product<double>,
+                              sum_moments,
+                              turn_back,
+                              sum_forces,
+                              turn_forces,
+                              place_points,
+                              to_single,
+                              to_double};
 
 }  // namespace
 

@@ -63,6 +63,17 @@ struct Kernels {
   // y = a x, `a` symmetric (n x n, column-major), of which the lower triangle is read.
   void (*symmetric_single)(const float* a, std::ptrdiff_t n, std::ptrdiff_t lda, const float* x, float* y);
   void (*symmetric_double)(const double* a, std::ptrdiff_t n, std::ptrdiff_t lda, const double* x, double* y);
+
+  // Small sums and turns of one segment's n points, axis-major; matrices column-major (segment_frames-inl.h).
+  void (*sum_moments)(const double* p, const double* arms, std::ptrdiff_t n, double* out);
+  void (*turn_back)(const double* p, const double* mean, const double* r, const double* arms,
+                    std::ptrdiff_t n, double* d);
+  void (*sum_forces)(const double* d, const double* f, const double* arms, std::ptrdiff_t n, double* out);
+  void (*turn_forces)(double* f, const double* a, const double* r, const double* arms, std::ptrdiff_t n);
+  void (*place_points)(const double* rest, const double* u, const double* r, const double* at,
+                       std::ptrdiff_t n, double* out);
+  void (*to_single)(const double* from, std::ptrdiff_t n, float* to);
+  void (*to_double)(const float* from, std::ptrdiff_t n, double* to);
 };
 
 // Null when this compiler or processor family has no such variant.

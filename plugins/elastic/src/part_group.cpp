@@ -34,6 +34,7 @@ std::shared_ptr<const PackedModel> pack_model(const SegmentModel& model, const K
   auto packed = std::make_shared<PackedModel>();
   const Eigen::Index joint = model.joint_points(), free = model.free_points();
   packed->model = &model;
+  packed->kernels = &kernels;
   packed->stiffness = Product(kernels, matrix_of(model.stiffness, 3 * joint), single);
   packed->free_response = Product(kernels, matrix_of(model.free_response, 3 * free), single);
   for (const int v : model.joint_vertices) {
@@ -45,13 +46,18 @@ std::shared_ptr<const PackedModel> pack_model(const SegmentModel& model, const K
         model.mesh.vertices[static_cast<std::size_t>(model.joint_vertices[static_cast<std::size_t>(i)])] -
         packed->mean;
   }
+  packed->free_rest.resize(free, 3);
+  for (Eigen::Index i = 0; i < free; ++i) {
+    packed->free_rest.row(i) =
+        model.mesh.vertices[static_cast<std::size_t>(model.free_vertices[static_cast<std::size_t>(i)])];
+  }
   packed->first_moment = volume_moment(model.mesh, packed->mean);
   return packed;
 }
 
 PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, int group,
                      const std::vector<std::shared_ptr<const PackedModel>>& models)
-    : models_(models), batches_(models.size()) {
+    : models_(models), batches_(models.size()), kernels_(*models.front()->kernels) {
   std::vector<int> local(placed.joints.size(), -1);
   for (std::size_t j = 0; j < placed.joints.size(); ++j) {
     if (placed.joints[j].group != group) continue;
@@ -107,6 +113,7 @@ PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, i
     batches_[m].probes.resize(static_cast<std::size_t>(n * k.depth()));
     batches_[m].forces.resize(static_cast<std::size_t>(n * k.padded_rows()));
     scratch = std::max(scratch, k.scratch(n));
+    gathered_.resize(std::max(gathered_.size(), static_cast<std::size_t>(k.depth())));
   }
   scratch_.resize(scratch);
 
@@ -151,28 +158,33 @@ std::size_t PartGroup::index_of(Eigen::Index at) const {
   return static_cast<std::size_t>(at - 2 * std::prev(next)->first);
 }
 
-// d = R^T (x - mean) - X in `local`, axis-major.
+// (J2): d = R^T (x - mean) - X in `local`, axis-major.
 void PartGroup::fit(Segment& segment, const Eigen::VectorXd& x, double* local) {
   const auto& arms = models_[static_cast<std::size_t>(segment.model)]->arms;
   const Eigen::Index count = arms.rows();
-  LocalPoints d(local, count, 3);
+  // From the first point, for rounding far from the origin.
+  const Vec3 first = point(x, segment.at.front(), segment.stride.front());
+  double* const p = gathered_.data();
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];
     const Eigen::Index stride = segment.stride[static_cast<std::size_t>(i)];
-    d(i, 0) = x[at];
-    d(i, 1) = x[at + stride];
-    d(i, 2) = x[at + 2 * stride];
+    p[i] = x[at] - first.x();
+    p[count + i] = x[at + stride] - first.y();
+    p[2 * count + i] = x[at + 2 * stride] - first.z();
   }
-  segment.mean = d.colwise().mean();
-  d.rowwise() -= segment.mean.transpose();
-  const Mat3 moment = d.transpose().lazyProduct(arms);
-  fit_rotation(moment, segment.rotation, segment.stretch_inverse);
-  const Mat3 r = segment.rotation;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double px = d(i, 0), py = d(i, 1), pz = d(i, 2);
-    d(i, 0) = r(0, 0) * px + r(1, 0) * py + r(2, 0) * pz - arms(i, 0);
-    d(i, 1) = r(0, 1) * px + r(1, 1) * py + r(2, 1) * pz - arms(i, 1);
-    d(i, 2) = r(0, 2) * px + r(1, 2) * py + r(2, 2) * pz - arms(i, 2);
+  double sums[12];
+  kernels_.sum_moments(p, arms.data(), count, sums);
+  const Vec3 mean = Eigen::Map<const Vec3>(sums) / static_cast<double>(count);
+  // Arms have no mean: the moment is the same about any point.
+  fit_rotation(Eigen::Map<const Mat3>(sums + 3), segment.rotation, segment.stretch_inverse);
+  kernels_.turn_back(p, mean.data(), segment.rotation.data(), arms.data(), count, local);
+  segment.mean = first + mean;
+}
+
+void PartGroup::fit_all(const Eigen::VectorXd& x) {
+  for (Segment& segment : segments_) {
+    const auto m = static_cast<std::size_t>(segment.model);
+    fit(segment, x, batches_[m].displacements.data() + segment.column * 3 * models_[m]->arms.rows());
   }
 }
 
@@ -203,12 +215,16 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
       LocalPoints f(batch.forces.data() + segment.column * rows, count, 3);
       const Eigen::Map<const Eigen::VectorXd> d_all(d.data(), depth);
       Eigen::Map<Eigen::VectorXd> f_all(f.data(), depth);
-      const double strain = 0.5 * d_all.dot(f_all);
+      double sums[5];
+      kernels_.sum_forces(d.data(), f.data(), packed.arms.data(), count, sums);
+      const double strain = 0.5 * sums[0];
       energy += strain;
       elastic_energy_ += strain;
-      forces += f_all.squaredNorm();
+      forces += sums[1];
       Vec3 torque = Vec3::Zero();  // of what hangs on the frame but is no joint force
+      bool loaded = false;
       if (!gravity.isZero(0)) {
+        loaded = true;
         // -b . integral of x over the volume, b in the frame.
         const Vec3 b = packed.model->material.density * (segment.rotation.transpose() * gravity);
         const Vec3 moment = packed.first_moment + weight.transpose() * d_all;
@@ -219,6 +235,7 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
       }
       for (const SkinPush& push : pushes) {
         if (push.segment != s) continue;
+        loaded = true;
         const Vec3 q = segment.rotation.transpose() * push.force;
         Vec3 at = packed.model->mesh.vertices[static_cast<std::size_t>(
                       packed.model->free_vertices[static_cast<std::size_t>(push.free_point)])] -
@@ -231,27 +248,16 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
         energy -= push.force.dot(segment.mean) + q.dot(at);
         torque += q.cross(at);
       }
-      // Change of the frame with the points: tau = sum of x' cross f, f_i -= (A^-1 tau) cross X_i.
-      Vec3 tau = -torque;
+      // (J3), change of the frame with the points; loads have changed f.
+      if (loaded) kernels_.sum_forces(d.data(), f.data(), packed.arms.data(), count, sums);
+      const Vec3 a = segment.stretch_inverse * (Eigen::Map<const Vec3>(sums + 2) - torque);
+      kernels_.turn_forces(f.data(), a.data(), segment.rotation.data(), packed.arms.data(), count);
       for (Eigen::Index i = 0; i < count; ++i) {
-        const double xx = d(i, 0) + packed.arms(i, 0), xy = d(i, 1) + packed.arms(i, 1),
-                     xz = d(i, 2) + packed.arms(i, 2);
-        tau.x() += xy * f(i, 2) - xz * f(i, 1);
-        tau.y() += xz * f(i, 0) - xx * f(i, 2);
-        tau.z() += xx * f(i, 1) - xy * f(i, 0);
-      }
-      const Vec3 a = segment.stretch_inverse * tau;
-      const Mat3 r = segment.rotation;
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const double ax = packed.arms(i, 0), ay = packed.arms(i, 1), az = packed.arms(i, 2);
-        const double fx = f(i, 0) - (a.y() * az - a.z() * ay);
-        const double fy = f(i, 1) - (a.z() * ax - a.x() * az);
-        const double fz = f(i, 2) - (a.x() * ay - a.y() * ax);
         const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];
         const Eigen::Index stride = segment.stride[static_cast<std::size_t>(i)];
-        gradient[at] += r(0, 0) * fx + r(0, 1) * fy + r(0, 2) * fz;
-        gradient[at + stride] += r(1, 0) * fx + r(1, 1) * fy + r(1, 2) * fz;
-        gradient[at + 2 * stride] += r(2, 0) * fx + r(2, 1) * fy + r(2, 2) * fz;
+        gradient[at] += f(i, 0);
+        gradient[at + stride] += f(i, 1);
+        gradient[at + 2 * stride] += f(i, 2);
       }
     }
   }
@@ -259,70 +265,6 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
   gradient -= loads;
   energy -= loads.dot(x);
   return energy + bones(x, gradient);
-}
-
-void PartGroup::stiffness_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) {
-  force.setZero();
-  for (std::size_t m = 0; m < batches_.size(); ++m) {
-    Batch& batch = batches_[m];
-    if (batch.segments.empty()) continue;
-    const PackedModel& packed = *models_[m];
-    const Eigen::Index count = packed.arms.rows(), depth = 3 * count, rows = packed.stiffness.padded_rows();
-    for (const int s : batch.segments) {
-      const Segment& segment = segments_[static_cast<std::size_t>(s)];
-      const Mat3 r = segment.rotation;
-      LocalPoints d(batch.probes.data() + segment.column * depth, count, 3);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Vec3 p = point(displacement, segment.at[static_cast<std::size_t>(i)],
-                             segment.stride[static_cast<std::size_t>(i)]);
-        d.row(i) = r.transpose() * p;
-      }
-    }
-    packed.stiffness.multiply(batch.probes.data(), static_cast<Eigen::Index>(batch.segments.size()),
-                              batch.forces.data(), scratch_.data());
-    products += static_cast<long long>(batch.segments.size());
-    for (const int s : batch.segments) {
-      const Segment& segment = segments_[static_cast<std::size_t>(s)];
-      const Mat3 r = segment.rotation;
-      const LocalPoints f(batch.forces.data() + segment.column * rows, count, 3);
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Vec3 p = r * f.row(i).transpose();
-        const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];
-        const Eigen::Index stride = segment.stride[static_cast<std::size_t>(i)];
-        for (Eigen::Index a = 0; a < 3; ++a) force[at + a * stride] += p[a];
-      }
-    }
-  }
-  bone_product(displacement, force);
-}
-
-// As in the stiffness of the rest pose, with the bones' present directions.
-void PartGroup::bone_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) const {
-  for (const Bone& bone : bones_) {
-    const double k = bone.settings.length_stiffness, c = bone.settings.angle_stiffness;
-    if (k == 0.0 && c == 0.0) continue;
-    const auto at = [&](const Eigen::VectorXd& v, std::size_t i) {
-      return point(v, bone.at[i], bone.stride[i]);
-    };
-    const auto add = [&](std::size_t i, const Vec3& f) {
-      for (Eigen::Index a = 0; a < 3; ++a) force[bone.at[i] + a * bone.stride[i]] += f[a];
-    };
-    for (std::size_t i = 1; i < bone.at.size(); ++i) {
-      const Vec3 edge = at(last_, i) - at(last_, i - 1);
-      const Vec3 along = edge / std::max(edge.norm(), 1e-12 * bone.shape.lengths[i - 1]);
-      const Vec3 pull = k * along * along.dot(at(displacement, i) - at(displacement, i - 1));
-      add(i, pull);
-      add(i - 1, -pull);
-      if (i < 2 || c == 0.0) continue;
-      const double before = bone.shape.lengths[i - 2], after = bone.shape.lengths[i - 1];
-      Vec3 bend = (at(displacement, i) - at(displacement, i - 1)) / after -
-                  (at(displacement, i - 1) - at(displacement, i - 2)) / before;
-      bend = c * (bend - along * along.dot(bend));
-      add(i, bend / after);
-      add(i - 1, -bend / after - bend / before);
-      add(i - 2, bend / before);
-    }
-  }
 }
 
 double PartGroup::bones(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
@@ -342,6 +284,18 @@ double PartGroup::bones(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   return energy;
 }
 
+double PartGroup::largest_turn() const {
+  double least = 3.0;  // trace of the turn: 1 + 2 cos
+  for (const Joint& joint : joints_) {
+    if (joint.segments[1] < 0) continue;
+    const Segment& a = segments_[static_cast<std::size_t>(joint.segments[0])];
+    const Segment& b = segments_[static_cast<std::size_t>(joint.segments[1])];
+    const Mat3 turn = a.rotation * a.rest_rotation.transpose() * b.rest_rotation * b.rotation.transpose();
+    least = std::min(least, turn.trace());
+  }
+  return std::acos(std::clamp(0.5 * (least - 1.0), -1.0, 1.0));
+}
+
 void PartGroup::update_turns() {
   for (Joint& joint : joints_) {
     const auto turn_of = [&](int s) -> Mat3 {
@@ -356,87 +310,6 @@ void PartGroup::update_turns() {
     const Eigen::Vector4d sum = first.coeffs() + sign * second.coeffs();
     joint.turn = Eigen::Quaterniond(sum).normalized().toRotationMatrix();
   }
-}
-
-BlockRows PartGroup::rest_stiffness(const std::vector<char>& held, const Eigen::VectorXd& inertia) const {
-  BlockRows rows(joints_.size());
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Eigen::Index n = 3 * joints_[j].count;
-    rows[j][j] = Eigen::MatrixXd::Zero(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      rows[j][j](i, i) = inertia[joints_[j].first + i % joints_[j].count];
-    }
-  }
-  const auto add = [&](Eigen::Index at1, Eigen::Index stride1, Eigen::Index at2, Eigen::Index stride2,
-                       const Mat3& block) {
-    // `at` counts 3 first + point; the stride is the joint's count.
-    std::size_t j1 = 0, j2 = 0;
-    const auto find = [&](Eigen::Index at, std::size_t& j) {
-      const auto joint = std::upper_bound(joints_.begin(), joints_.end(), at,
-                                          [](Eigen::Index a, const Joint& q) { return a < 3 * q.first; });
-      j = static_cast<std::size_t>(joint - joints_.begin()) - 1;
-      return at - 3 * joints_[j].first;
-    };
-    const Eigen::Index p1 = find(at1, j1), p2 = find(at2, j2);
-    if (held[static_cast<std::size_t>(joints_[j1].first + p1)] != 0 ||
-        held[static_cast<std::size_t>(joints_[j2].first + p2)] != 0) {
-      return;
-    }
-    auto [entry, fresh] =
-        rows[j1].try_emplace(j2, Eigen::MatrixXd::Zero(3 * joints_[j1].count, 3 * joints_[j2].count));
-    for (Eigen::Index a = 0; a < 3; ++a) {
-      for (Eigen::Index b = 0; b < 3; ++b) entry->second(p1 + a * stride1, p2 + b * stride2) += block(a, b);
-    }
-  };
-  for (const Segment& segment : segments_) {
-    const SegmentModel& model = *models_[static_cast<std::size_t>(segment.model)]->model;
-    const Eigen::Index count = model.joint_points();
-    const auto k = matrix_of(model.stiffness, 3 * count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index l = 0; l < count; ++l) {
-        Mat3 block;
-        for (Eigen::Index a = 0; a < 3; ++a) {
-          for (Eigen::Index b = 0; b < 3; ++b) block(a, b) = k(a * count + i, b * count + l);
-        }
-        const auto si = static_cast<std::size_t>(i), sl = static_cast<std::size_t>(l);
-        add(segment.at[si], segment.stride[si], segment.at[sl], segment.stride[sl],
-            segment.rest_rotation * block * segment.rest_rotation.transpose());
-      }
-    }
-  }
-  // Bones near rest: k t t^T along each, and c times the square of the change of direction at each joint.
-  for (const Bone& bone : bones_) {
-    const double k = bone.settings.length_stiffness, c = bone.settings.angle_stiffness;
-    const auto node = [&](std::size_t i) { return point(rest_, bone.at[i], bone.stride[i]); };
-    const auto link = [&](std::size_t i, std::size_t l, const Mat3& block) {
-      add(bone.at[i], bone.stride[i], bone.at[l], bone.stride[l], block);
-    };
-    for (std::size_t i = 1; i < bone.at.size(); ++i) {
-      const Vec3 along = (node(i) - node(i - 1)).normalized();
-      const Mat3 stretch = k * along * along.transpose();
-      link(i, i, stretch);
-      link(i - 1, i - 1, stretch);
-      link(i, i - 1, -stretch);
-      link(i - 1, i, -stretch);
-      if (i < 2 || c == 0.0) continue;
-      const double before = bone.shape.lengths[i - 2], after = bone.shape.lengths[i - 1];
-      const std::array<double, 3> weight = {1.0 / before, -1.0 / before - 1.0 / after, 1.0 / after};
-      const Mat3 across = Mat3::Identity() - along * along.transpose();
-      for (std::size_t p = 0; p < 3; ++p) {
-        for (std::size_t q = 0; q < 3; ++q) link(i - 2 + p, i - 2 + q, c * weight[p] * weight[q] * across);
-      }
-    }
-  }
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    for (Eigen::Index i = 0; i < joints_[j].count; ++i) {
-      if (held[static_cast<std::size_t>(joints_[j].first + i)] == 0) continue;
-      for (Eigen::Index a = 0; a < 3; ++a) {
-        const Eigen::Index row = i + a * joints_[j].count;
-        rows[j][j](row, row) = 1.0;
-      }
-    }
-  }
-  return rows;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

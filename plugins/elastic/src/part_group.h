@@ -18,11 +18,13 @@ using BlockRows = std::vector<std::map<std::size_t, Eigen::MatrixXd>>;
 // The blocks of a segment model, laid out for products.
 struct PackedModel {
   const SegmentModel* model = nullptr;
-  Product stiffness;                              // K
-  Product free_response;                          // Phi
-  Eigen::Matrix<double, Eigen::Dynamic, 3> arms;  // X of the joint points from their mean
-  Vec3 mean = Vec3::Zero();                       // m, of the joint points, in the mesh's frame
-  Vec3 first_moment = Vec3::Zero();               // m4, integral of x from the mean over the volume
+  const Kernels* kernels = nullptr;
+  Product stiffness;                                   // K
+  Product free_response;                               // Phi
+  Eigen::Matrix<double, Eigen::Dynamic, 3> free_rest;  // m, of the free vertices, in the mesh's frame
+  Eigen::Matrix<double, Eigen::Dynamic, 3> arms;       // X of the joint points from their mean
+  Vec3 mean = Vec3::Zero();                            // m, of the joint points, in the mesh's frame
+  Vec3 first_moment = Vec3::Zero();                    // m4, integral of x from the mean over the volume
 };
 std::shared_ptr<const PackedModel> pack_model(const SegmentModel& model, const Kernels& kernels, bool single);
 
@@ -65,12 +67,16 @@ class PartGroup {
   PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, int group,
             const std::vector<std::shared_ptr<const PackedModel>>& models);
 
+  // Frames and displacements of the segments at `x`, without forces: all that the skin wants.
+  void fit_all(const Eigen::VectorXd& x);
   // Energy (J), gradient (N) at `x`. Moves the segments' frames along.
   double evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient);
   // Forces (N) by small displacements (m) of the points, the segments' frames of the last evaluate() held.
   void stiffness_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force);
   // Turns of the joints from the frames of the last evaluate().
   void update_turns();
+  // Largest turn (rad) of a segment against a neighbour since the rest pose, as of the last evaluate().
+  double largest_turn() const;
   // Stiffness at rest without `held` points, plus `inertia` (kg/s2) for each point.
   BlockRows rest_stiffness(const std::vector<char>& held, const Eigen::VectorXd& inertia) const;
   // Of the segments alone at the last evaluate(), J.
@@ -126,7 +132,9 @@ class PartGroup {
   Eigen::VectorXd rest_;
   Eigen::VectorXd last_;  // points of the last evaluate()
   double elastic_energy_ = 0, force_scale_ = 0, stiffness_scale_ = 0, spacing_ = 0;
+  const Kernels& kernels_;
   std::vector<float> scratch_;
+  std::vector<double> gathered_;  // 3J
   std::vector<Vec3> bone_points_, bone_gradient_;
 };
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 #include "block_matrix.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
@@ -12,7 +10,7 @@ class Product {
  public:
   Product() = default;
   Product(const Kernels& kernels, const Eigen::Ref<const Eigen::MatrixXd>& matrix, bool single)
-      : single_(single) {
+      : kernels_(&kernels), single_(single) {
     if (single) {
       floats_ = BlockMatrix<float>(kernels, matrix);
     } else {
@@ -35,15 +33,16 @@ class Product {
     }
     float* const in = scratch;
     float* const out = scratch + n * floats_.depth();
-    std::transform(b, b + n * floats_.depth(), in, [](double v) { return static_cast<float>(v); });
+    kernels_->to_single(b, n * floats_.depth(), in);
     floats_.multiply(in, n, out);
-    std::copy(out, out + n * floats_.padded_rows(), c);
+    kernels_->to_double(out, n * floats_.padded_rows(), c);
   }
 
   const BlockMatrix<float>& floats() const { return floats_; }
   const BlockMatrix<double>& doubles() const { return doubles_; }
 
  private:
+  const Kernels* kernels_ = nullptr;
   bool single_ = false;
   BlockMatrix<float> floats_;
   BlockMatrix<double> doubles_;

@@ -16,6 +16,7 @@ SkinLayout lay_out_skin(const PlacedDesign& placed) {
     count += static_cast<int>(joint.rest.size());
     rest.insert(rest.end(), joint.rest.begin(), joint.rest.end());
   }
+  const int joint_points = count;
   std::vector<std::array<int, 3>> seen;
   for (std::size_t s = 0; s < placed.segments.size(); ++s) {
     const PlacedSegment& segment = placed.segments[s];
@@ -50,11 +51,20 @@ SkinLayout lay_out_skin(const PlacedDesign& placed) {
     }
     skin.point_of.push_back(std::move(point));
   }
-  std::vector<int> name(static_cast<std::size_t>(count), -1);
+  // Points of joints that are seen, then the free vertices of each segment in a row, then what is hidden.
+  std::vector<char> used(static_cast<std::size_t>(count), 0);
   for (const auto& t : seen) {
-    for (const int p : t) {
-      int& n = name[static_cast<std::size_t>(p)];
-      if (n < 0) n = skin.visible++;
+    for (const int p : t) used[static_cast<std::size_t>(p)] = 1;
+  }
+  const auto of_joints = static_cast<std::size_t>(joint_points);
+  std::vector<int> name(static_cast<std::size_t>(count), -1);
+  for (std::size_t p = 0; p < of_joints; ++p) {
+    if (used[p] != 0) name[p] = skin.visible++;
+  }
+  for (std::size_t s = 0; s < placed.segments.size(); ++s) {
+    skin.first_free.push_back(skin.visible);
+    for (const int v : placed.segments[s].model->free_vertices) {
+      name[static_cast<std::size_t>(skin.point_of[s][static_cast<std::size_t>(v)])] = skin.visible++;
     }
   }
   int hidden = skin.visible;

@@ -26,15 +26,18 @@ struct SegmentVertex {
 
 // What one solve cost, did and left out; sums over all groups of parts that hang together.
 struct AssemblyReport {
-  int groups = 0;                              // in the assembly
-  int groups_solved = 0;                       // nothing had moved in the others
-  int segments = 0;                            // in the assembly
-  int segments_skinned = 0;                    // whose skin was computed: a joint of theirs had moved
-  long long products = 0;                      // segments multiplied while solving
-  int iterations = 0;                          // steps taken
-  int evaluations = 0;                         // of energy and forces
-  int ik_sweeps = 0;                           // of cyclic coordinate descent
-  double residual = 0;                         // largest imbalance of a group's joints over their forces
+  int groups = 0;            // in the assembly
+  int groups_solved = 0;     // nothing had moved in the others
+  int segments = 0;          // in the assembly
+  int segments_skinned = 0;  // whose skin was computed: a joint of theirs had moved
+  long long products = 0;    // segments multiplied while solving
+  int iterations = 0;        // steps taken
+  int evaluations = 0;       // of energy and forces
+  int ik_sweeps = 0;         // of cyclic coordinate descent
+  double residual = 0;       // largest imbalance of a group's joints over their forces
+  // rad, of a segment against its neighbour, over that at rest: from about 1 on strains are large, and near
+  // pi (a twist of half a turn within one segment) the shape may be another than the one meant.
+  double largest_turn = 0;
   bool balanced = true;                        // every residual is within the tolerance
   double solve_seconds = 0, skin_seconds = 0;  // wall time
 };
@@ -88,7 +91,7 @@ class SOFTPOINT_API Assembly {
   Vec3 moment(const PartEnd& end) const;
   // Joints X_0 to X_N of a part's bone, m.
   std::vector<Vec3> bone(int part) const;
-  double energy() const;  // J, of segments and bones, pushes and gravity: what is least in balance
+  double energy() const;          // J, of segments and bones, pushes and gravity: what is least in balance
   double elastic_energy() const;  // J, of segments alone, at the last solve
 
   // The skin: vertices (m), those seen from outside first, and the triangles between them that are seen.

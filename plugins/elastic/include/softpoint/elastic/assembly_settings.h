@@ -23,8 +23,10 @@ struct AssemblySettings {
   JointMethod method = JointMethod::kEquilibrium;
   // Joints are in balance when what is left over is below this part of the joint forces, 1e-14 to 1.
   double tolerance = 1e-3;
-  int max_iterations = 12;  // a solve, 0 to 100000; each multiplies every segment once or twice
-  double kappa = 0;         // m/N of (4); 0 takes half the limit of convergence
+  // A solve, 0 to 100000; each multiplies every segment once or twice. 0: joints are carried along by what
+  // holds them, nothing is balanced, and forces are found only when they are asked for.
+  int max_iterations = 12;
+  double kappa = 0;  // m/N of (4); 0 takes half the limit of convergence
   Predictor predictor = Predictor::kAutomatic;
   int ik_sweeps = 10;            // of cyclic coordinate descent, 0 to 1000
   bool single_precision = true;  // products in float, 1e-7 of the forces; everything else stays double

@@ -16,10 +16,10 @@ struct ElasticSettings {
   // another one works too, but factors its response anew whenever the step changes.
   double time_step = 1.0 / 60.0;
   StiffnessSettings stiffness;  // accuracy and memory of the assembly
-  // The product of each step in single precision, twice as fast for bodies of hundreds of vertices: strains are
-  // good to 1e-6 of the largest then. Contact and handles stay in double precision.
+  // The product of each step in single precision, twice as fast for bodies of hundreds of vertices: strains
+  // are good to 1e-6 of the largest then. Contact and handles stay in double precision.
   bool single_precision = false;
-  CacheSettings cache;          // where the stiffness is kept between runs
+  CacheSettings cache;  // where the stiffness is kept between runs
 };
 // Throws Error naming the field, its value and the permitted range.
 SOFTPOINT_API void check(const ElasticSettings& settings);
