@@ -19,10 +19,7 @@ void Character::follow_exoskeletons() {
     assembly_.move(a.end, to);
   }
   if (!moved) return;
-  assembly_.clear_pushes();
-  for (const State::SkinForce& f : state.forces) push_skin(f.point, f.force);
-  assembly_.solve();
-  std::copy(assembly_.points().begin(), assembly_.points().end(), end_positions_.begin());
+  solve_under_forces();
 }
 
 // Stiffness (N/m) that the ends of a group of parts show: the largest of their own, everything else

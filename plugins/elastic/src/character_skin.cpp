@@ -40,24 +40,35 @@ void Character::State::add_joint_load(const Assembly::Impl& impl, int point, con
   }
 }
 
-Vec3 Character::State::skin_shift(const Assembly::Impl& impl, int point,
-                                  const Eigen::VectorXd& joints) const {
+void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Matrix3Xd& row) const {
   const SkinPoint& at = skin[static_cast<std::size_t>(point)];
+  if (at.segment < 0) return;
   const PartGroup& group = impl.groups[static_cast<std::size_t>(at.group)]->group;
-  if (at.segment < 0) return group.point(joints, at.at, at.stride);
   const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(at.segment)];
   const SegmentModel& model = *group.models()[static_cast<std::size_t>(segment.model)]->model;
   const Eigen::Index free = model.free_points(), count = model.joint_points();
   const Eigen::Map<const Eigen::MatrixXd> phi(model.free_response.data(), 3 * free, 3 * count);
-  Vec3 local = Vec3::Zero();
+  row.resize(3, 3 * count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const Vec3 d = segment.rotation.transpose() * group.point(joints, segment.at[k], segment.stride[k]);
+    Mat3 block;
     for (Eigen::Index a = 0; a < 3; ++a) {
-      for (Eigen::Index b = 0; b < 3; ++b) local[a] += phi(a * free + at.free, b * count + i) * d[b];
+      for (Eigen::Index b = 0; b < 3; ++b) block(a, b) = phi(a * free + at.free, b * count + i);
+    }
+    row.middleCols<3>(3 * i) = segment.rotation * block * segment.rotation.transpose();
+  }
+}
+
+void Character::State::gather(const PartGroup::Segment& segment, int slot) {
+  const auto count = static_cast<Eigen::Index>(segment.at.size());
+  gathered.resize(3 * count, 3);
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const Eigen::VectorXd& column = columns[static_cast<std::size_t>(slot + a)];
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];
+      const Eigen::Index stride = segment.stride[static_cast<std::size_t>(i)];
+      for (Eigen::Index b = 0; b < 3; ++b) gathered(3 * i + b, a) = column[at + b * stride];
     }
   }
-  return segment.rotation * local;
 }
 
 // One batched product for each model.
@@ -67,7 +78,7 @@ void Character::State::shift_skin(Assembly::Impl& impl, std::size_t g, std::vect
   for (std::size_t m = 0; m < impl.models.size(); ++m) {
     const PackedModel& packed = *impl.models[m];
     const SegmentModel& model = *packed.model;
-    const Eigen::Index depth = packed.free_response.depth(), rows = packed.free_response.padded_rows();
+    const Eigen::Index depth = packed.free_response.depth(), height = packed.free_response.padded_rows();
     const Eigen::Index count = model.joint_points();
     const auto free = static_cast<std::size_t>(model.free_points());
     Eigen::Index n = 0;
@@ -86,7 +97,7 @@ void Character::State::shift_skin(Assembly::Impl& impl, std::size_t g, std::vect
     n = 0;
     for (const PartGroup::Segment& segment : group.segments()) {
       if (segment.model != static_cast<int>(m)) continue;
-      const double* const u = impl.bulge.data() + n++ * rows;
+      const double* const u = impl.bulge.data() + n++ * height;
       const std::vector<int>& names = impl.layout.point_of[static_cast<std::size_t>(segment.placed)];
       for (std::size_t i = 0; i < free; ++i) {
         const auto v = static_cast<std::size_t>(model.free_vertices[i]);

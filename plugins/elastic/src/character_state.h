@@ -43,10 +43,12 @@ struct Character::State {
   std::vector<SkinForce> forces, forces_now;
   // Joints' response (m/N) to unit forces on a point of the skin: three columns each, kept for the step.
   std::vector<Eigen::VectorXd> columns;
-  std::vector<int> slot_of;         // of each skin point, its first column; -1
-  std::vector<int> slotted;         // points that have some
-  std::vector<Response> responses;  // of each group
-  std::vector<Vec3> shift;          // m, of each skin point
+  std::vector<Eigen::Matrix3Xd> rows;  // displacement of a slotted point by the joints of its segment, world
+  Eigen::MatrixX3d gathered;           // of one segment's joints, a column for each axis of the force
+  std::vector<int> slot_of;            // of each skin point, its first column; -1
+  std::vector<int> slotted;            // points that have some
+  std::vector<Response> responses;     // of each group
+  std::vector<Vec3> shift;             // m, of each skin point
   bool responded = false;
   bool postponed = false;  // the joints are still to be solved, once the exoskeleton has found its place
   bool solved_once = false;
@@ -65,8 +67,11 @@ struct Character::State {
 
   // Adds the load of the joints by a force on a point of the skin.
   void add_joint_load(const Assembly::Impl& impl, int point, const Vec3& force, Eigen::VectorXd& load) const;
-  // Displacement of a point of the skin by those of the joints.
-  Vec3 skin_shift(const Assembly::Impl& impl, int point, const Eigen::VectorXd& joints) const;
+  // Displacement (world) of a free vertex by those of its segment's joint points, 3 x 3J; nothing for a
+  // joint's.
+  void find_row(const Assembly::Impl& impl, int point, Eigen::Matrix3Xd& row) const;
+  // Displacements of a segment's joint points under the three forces of a slot.
+  void gather(const PartGroup::Segment& segment, int slot);
   // Adds the displacements of a whole group's skin by its response's joints.
   void shift_skin(Assembly::Impl& impl, std::size_t group, std::vector<Vec3>& points);
 };

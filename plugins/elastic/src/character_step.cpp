@@ -12,6 +12,8 @@ double response_tolerance(const AssemblySettings& joints) {
   return std::clamp(joints.tolerance, 1e-12, 1e-4);
 }
 
+// Of the distance of joints: what pushes them farther is no small change any more.
+constexpr double kLinear = 0.25;
 // m per N s and second: what holds a held vertex gives way so little, but not by nothing.
 constexpr double kHeldMobility = 1e-9;
 
@@ -159,6 +161,8 @@ int Character::columns_of(int point) {
     state.columns.resize(static_cast<std::size_t>(slot) + 3);
   }
   const auto g = static_cast<std::size_t>(state.skin[static_cast<std::size_t>(point)].group);
+  if (state.rows.size() < state.slotted.size()) state.rows.resize(state.slotted.size());
+  state.find_row(*assembly_.impl_, point, state.rows[state.slotted.size() - 1]);
   for (int a = 0; a < 3; ++a) {
     Eigen::VectorXd& column = state.columns[static_cast<std::size_t>(slot + a)];
     column.resize(assembly_.impl_->groups[g]->group.size());
@@ -172,7 +176,7 @@ int Character::columns_of(int point) {
 
 // dv_i / dJ_j = C_ij / h^2: an impulse J is a force J/h, and what it moves by u moves at u/h.
 void Character::compliance(std::span<const int> touched, double* blocks) {
-  const State& state = *state_;
+  State& state = *state_;
   const Assembly::Impl& impl = *assembly_.impl_;
   const auto count = static_cast<Eigen::Index>(touched.size());
   Eigen::Map<Eigen::MatrixXd> c(blocks, 3 * count, 3 * count);
@@ -182,16 +186,26 @@ void Character::compliance(std::span<const int> touched, double* blocks) {
     const int slot = columns_of(point);
     const State::SkinPoint& at = state.skin[static_cast<std::size_t>(point)];
     const PartGroup& group = impl.groups[static_cast<std::size_t>(at.group)]->group;
+    int gathered = -1;  // points of a segment mostly stand together
     for (Eigen::Index i = 0; i < count; ++i) {
       const int other = touched[static_cast<std::size_t>(i)];
       const State::SkinPoint& to = state.skin[static_cast<std::size_t>(other)];
       if (to.group != at.group) continue;
-      for (int a = 0; a < 3; ++a) {
-        c.block<3, 1>(3 * i, 3 * j + a) =
-            state.skin_shift(impl, other, state.columns[static_cast<std::size_t>(slot + a)]);
+      if (to.segment < 0) {
+        for (int a = 0; a < 3; ++a) {
+          c.block<3, 1>(3 * i, 3 * j + a) =
+              group.point(state.columns[static_cast<std::size_t>(slot + a)], to.at, to.stride);
+        }
+        continue;
       }
-      if (to.segment < 0 || to.segment != at.segment) continue;
       const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(to.segment)];
+      if (to.segment != gathered) {
+        gathered = to.segment;
+        state.gather(segment, slot);
+      }
+      c.block<3, 3>(3 * i, 3 * j).noalias() =
+          state.rows[static_cast<std::size_t>(columns_of(other) / 3)] * state.gathered;
+      if (to.segment != at.segment) continue;
       const SegmentModel& model = *impl.models[static_cast<std::size_t>(segment.model)]->model;
       c.block<3, 3>(3 * i, 3 * j) +=
           segment.rotation * local_compliance(model, to.free, at.free) * segment.rotation.transpose();
@@ -237,11 +251,39 @@ void Character::commit(double dt) {
   const bool touched = !state.forces.empty() || state.responded;
   state.forces.swap(state.forces_now);
   if (!state.responded) state.forces.clear();
-  if (touched) take_joints(end_positions_);
+  if (touched) {
+    if (farthest_joint(end_positions_) > kLinear) {
+      solve_under_forces();
+    } else {
+      take_joints(end_positions_);
+    }
+  }
   follow_exoskeletons();
   Deformable::commit(dt);
   state.first_velocity = velocities_.front();
   load_exoskeletons();
+}
+
+// How far the farthest joint point is from where it was balanced, over the distance of joints.
+double Character::farthest_joint(const std::vector<Vec3>& from) const {
+  double farthest = 0;
+  for (std::size_t p = 0; p < from.size(); ++p) {
+    const State::SkinPoint& point = state_->skin[p];
+    if (point.segment >= 0) continue;
+    const GroupState& g = *assembly_.impl_->groups[static_cast<std::size_t>(point.group)];
+    farthest =
+        std::max(farthest, (from[p] - g.group.point(g.x, point.at, point.stride)).norm() / g.group.spacing());
+  }
+  return farthest;
+}
+
+// Balance with the forces that contact and handles were found to bear: what a linear response cannot reach.
+// They have their say again in the next step.
+void Character::solve_under_forces() {
+  assembly_.clear_pushes();
+  for (const State::SkinForce& f : state_->forces) push_skin(f.point, f.force);
+  assembly_.solve();
+  std::copy(assembly_.points().begin(), assembly_.points().end(), end_positions_.begin());
 }
 
 void Character::take_joints(const std::vector<Vec3>& from) {

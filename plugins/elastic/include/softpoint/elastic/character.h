@@ -72,6 +72,8 @@ class SOFTPOINT_API Character final : public Deformable {
   int columns_of(int point);
   void dent(int point, const Vec3& force);
   void take_joints(const std::vector<Vec3>& from);
+  double farthest_joint(const std::vector<Vec3>& from) const;
+  void solve_under_forces();
   void follow_exoskeletons();
   void load_exoskeletons();
   double measure_end_stiffness(int group);
