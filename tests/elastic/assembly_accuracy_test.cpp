@@ -96,7 +96,8 @@ Answers answers_of(const AssemblyDesign& design, double length, double angle) {
       where(chain, static_cast<double>(i) / steps);
       chain.solve();
     }
-    EXPECT_TRUE(chain.report().balanced);
+    EXPECT_TRUE(chain.report().balanced) << "residual " << chain.report().residual << " after "
+                                         << chain.report().iterations << " iterations";
     return std::pair<Vec3, Vec3>(chain.force(kTip), chain.moment(kTip));
   };
   Answers a;

@@ -98,6 +98,7 @@ TEST(JointSolver, RespondIsTheInverseOfTheStiffness) {
   const int iterations = s.solver.respond(force, shift, 1e-10);
   EXPECT_LT(iterations, 200);
   s.group.stiffness_product(shift, back);
+  back += s.solver.steady() * shift;
   for (const PartGroup::Joint& joint : s.group.joints()) {
     for (Eigen::Index i = 0; i < 3 * joint.count; ++i) {
       if (s.held[static_cast<std::size_t>(joint.first + i % joint.count)] != 0) back[3 * joint.first + i] = 0;

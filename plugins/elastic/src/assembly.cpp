@@ -101,8 +101,19 @@ Assembly::Impl::Impl(const AssemblyDesign& given, const AssemblySettings& wanted
     joint_skin.insert(joint_skin.end(), order.begin(), order.end());
   }
   reserve_skin();
+  for (const auto& state : groups) factor(*state);
+  check_kappa(settings);
   report.groups = placed.groups;
   report.segments = static_cast<int>(placed.segments.size());
+}
+
+// Holding more only lowers the greatest stiffness, and mass on top of it is let be: the last one measured is
+// the limit.
+void Assembly::Impl::check_kappa(const AssemblySettings& wanted) const {
+  if (wanted.method != JointMethod::kRichardson || wanted.kappa == 0.0) return;
+  for (const auto& state : groups) {
+    check_range("AssemblySettings.kappa", wanted.kappa, 0.0, 2.0 / state->solver.greatest_stiffness());
+  }
 }
 
 void Assembly::Impl::check_end(const PartEnd& end) const {
@@ -144,12 +155,8 @@ void Assembly::set_settings(const AssemblySettings& settings) {
   AssemblySettings next = settings;
   next.single_precision = impl_->settings.single_precision;
   next.max_instruction_set = impl_->settings.max_instruction_set;
-  for (const auto& state : impl_->groups) {
-    if (next.kappa > 0.0 && state->factored && next.method == JointMethod::kRichardson) {
-      check_range("AssemblySettings.kappa", next.kappa, 0.0, 2.0 / state->solver.greatest_stiffness());
-    }
-    state->changed = true;
-  }
+  impl_->check_kappa(next);
+  for (const auto& state : impl_->groups) state->changed = true;
   impl_->settings = next;
 }
 

@@ -23,6 +23,7 @@ struct GroupState {
   std::vector<char> held;    // one a point
   std::vector<Hold> ends;    // of each joint
   double energy = 0;         // J, at the last solve
+  bool dragged = false;      // the skin is pushed: parts are slow to leave where they are carried
   bool changed = true;       // something to solve for
   bool solved = false;       // in the last solve
   bool forces_due = false;   // the solver's gradient and the energies are not those of x
@@ -30,7 +31,7 @@ struct GroupState {
   bool skin_changed = true;  // pushes or gravity, which bend the skin without moving a joint
 };
 
-struct Assembly::Impl {
+struct __attribute__((visibility("hidden"))) Assembly::Impl {
   Impl(const AssemblyDesign& given, const AssemblySettings& wanted, const Vec3& origin, const Mat3& rotation);
 
   // The joint of an end, and the group it is in.
@@ -50,6 +51,7 @@ struct Assembly::Impl {
   void reserve_skin();
   void add_loads(const PartGroup& group, int segment, const PackedModel& packed, double* u) const;
   void check_end(const PartEnd& end) const;
+  void check_kappa(const AssemblySettings& wanted) const;
   // kg of each skin point: a segment's mass on its joint points, and a small part of it on the others.
   std::vector<double> point_masses(double free_part) const;
   double kappa_of(const GroupState& state) const;

@@ -37,7 +37,9 @@ void Assembly::Impl::factor(GroupState& state) {
 }
 
 double Assembly::Impl::kappa_of(const GroupState& state) const {
-  return settings.kappa > 0.0 ? settings.kappa : 1.0 / state.solver.greatest_stiffness();
+  // Mass makes joints stiffer than when kappa was checked.
+  const double limit = 1.0 / state.solver.greatest_stiffness();
+  return settings.kappa > 0.0 ? std::min(settings.kappa, 1.9 * limit) : limit;
 }
 
 // Bones follow their ends by inverse kinematics, and joints their bones. Bones whose ends are all held or
@@ -161,6 +163,7 @@ void Assembly::Impl::solve_group(GroupState& state) {
     report.balanced = false;
     return;
   }
+  if (state.dragged) state.toward = state.x;  // from where the parts were carried
   const long long products = group.products;
   const JointSolver::Outcome outcome = state.solver.solve(settings, kappa_of(state), state.x, state.toward);
   state.energy = outcome.energy;

@@ -50,6 +50,7 @@ Character::Character(Assembly assembly, const CharacterSettings& settings)
     }
   }
   for (const auto& g : impl.groups) {
+    state.largest_group = std::max(state.largest_group, g->group.size());
     const auto points = static_cast<std::size_t>(g->group.points());
     state.masses.emplace_back(points, 0.0);
     state.dampers.emplace_back(points, 0.0);
@@ -76,6 +77,9 @@ Character::Character(Assembly assembly, const CharacterSettings& settings)
   state.shift.assign(positions_.size(), Vec3::Zero());
   state.queued.assign(positions_.size(), Vec3::Zero());
   state.slot_of.assign(positions_.size(), -1);
+  for (const auto& m : impl.models) {
+    state.largest_row = std::max(state.largest_row, static_cast<Eigen::Index>(3 * m->model->joint_points()));
+  }
   state.end_stiffness.assign(impl.groups.size(), 0.0);
 }
 

@@ -41,6 +41,7 @@ void Character::State::add_joint_load(const Assembly::Impl& impl, int point, con
 }
 
 void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Matrix3Xd& row) const {
+  row.resize(3, largest_row);
   const SkinPoint& at = skin[static_cast<std::size_t>(point)];
   if (at.segment < 0) return;
   const PartGroup& group = impl.groups[static_cast<std::size_t>(at.group)]->group;
@@ -48,7 +49,6 @@ void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Ma
   const SegmentModel& model = *group.models()[static_cast<std::size_t>(segment.model)]->model;
   const Eigen::Index free = model.free_points(), count = model.joint_points();
   const Eigen::Map<const Eigen::MatrixXd> phi(model.free_response.data(), 3 * free, 3 * count);
-  row.resize(3, 3 * count);
   for (Eigen::Index i = 0; i < count; ++i) {
     Mat3 block;
     for (Eigen::Index a = 0; a < 3; ++a) {
@@ -60,7 +60,7 @@ void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Ma
 
 void Character::State::gather(const PartGroup::Segment& segment, int slot) {
   const auto count = static_cast<Eigen::Index>(segment.at.size());
-  gathered.resize(3 * count, 3);
+  gathered.resize(largest_row, 3);
   for (Eigen::Index a = 0; a < 3; ++a) {
     const Eigen::VectorXd& column = columns[static_cast<std::size_t>(slot + a)];
     for (Eigen::Index i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@ namespace softpoint::inline SOFTPOINT_ABI::elastic {
 Mat3 local_compliance(const SegmentModel& model, int row, int column);
 
 // What a character keeps beside its assembly.
-struct Character::State {
+struct __attribute__((visibility("hidden"))) Character::State {
   // Where a point of the skin comes from: a joint's point, or a free vertex of a segment.
   struct SkinPoint {
     int group = 0;
@@ -44,11 +44,12 @@ struct Character::State {
   // Joints' response (m/N) to unit forces on a point of the skin: three columns each, kept for the step.
   std::vector<Eigen::VectorXd> columns;
   std::vector<Eigen::Matrix3Xd> rows;  // displacement of a slotted point by the joints of its segment, world
-  Eigen::MatrixX3d gathered;           // of one segment's joints, a column for each axis of the force
-  std::vector<int> slot_of;            // of each skin point, its first column; -1
-  std::vector<int> slotted;            // points that have some
-  std::vector<Response> responses;     // of each group
-  std::vector<Vec3> shift;             // m, of each skin point
+  Eigen::Index largest_row = 0, largest_group = 0;
+  Eigen::MatrixX3d gathered;        // of one segment's joints, a column for each axis of the force
+  std::vector<int> slot_of;         // of each skin point, its first column; -1
+  std::vector<int> slotted;         // points that have some
+  std::vector<Response> responses;  // of each group
+  std::vector<Vec3> shift;          // m, of each skin point
   bool responded = false;
   bool postponed = false;  // the joints are still to be solved, once the exoskeleton has found its place
   bool solved_once = false;
@@ -60,6 +61,23 @@ struct Character::State {
   std::vector<int> loaded;            // vertices of the exoskeleton
   std::vector<Vec3> loads;
   std::vector<double> load_stiffness;
+
+  // What an exoskeleton did and felt in the last step, velocity and angular velocity, force and moment.
+  struct Feeling {
+    const ElasticBody* body = nullptr;
+    bool known = false;
+    Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();
+    Eigen::Matrix<double, 6, 1> wrench = Eigen::Matrix<double, 6, 1>::Zero();
+  };
+  std::vector<Feeling> feelings;
+  Feeling& feeling_of(const ElasticBody& body) {
+    for (Feeling& f : feelings) {
+      if (f.body == &body) return f;
+    }
+    feelings.emplace_back().body = &body;
+    return feelings.back();
+  }
+  std::vector<Vec3> arms;  // m, of an exoskeleton's points from its centre of mass
 
   Vec3 first_velocity = Vec3::Zero();  // m/s, of point 0 as it was left: gravity is what has been added
   Vec3 gravity = Vec3::Zero();

@@ -6,18 +6,22 @@
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
 
-// Of the forces, for the joints' response to them: as exact as the joints are to be, but good enough for
-// contact.
-double response_tolerance(const AssemblySettings& joints) {
-  return std::clamp(joints.tolerance, 1e-12, 1e-4);
-}
-
+// Of the forces, for the joints' response to them. Compliances of many points of a soft chain differ by
+// little: coarser ones would not be positive definite together, and the solver of contacts would find no end.
+constexpr double kResponse = 1e-8;
 // Of the distance of joints: what pushes them farther is no small change any more.
 constexpr double kLinear = 0.25;
-// m per N s and second: what holds a held vertex gives way so little, but not by nothing.
-constexpr double kHeldMobility = 1e-9;
 
 }  // namespace
+
+// Pushes begin anew; groups that had some last are slow, unless mass makes them so.
+void Character::let_go_of_skin() {
+  assembly_.clear_pushes();
+  for (const auto& g : assembly_.impl_->groups) {
+    g->dragged = false;
+    g->solver.set_drag(0.0);
+  }
+}
 
 void Character::push_skin(int point, const Vec3& force) {
   const State::SkinPoint& at = state_->skin[static_cast<std::size_t>(point)];
@@ -29,6 +33,10 @@ void Character::push_skin(int point, const Vec3& force) {
   }
   GroupState& g = *assembly_.impl_->groups[static_cast<std::size_t>(at.group)];
   g.changed = g.skin_changed = true;
+  if (!state_->moves_by_itself) {
+    g.dragged = true;
+    g.solver.set_drag(g.solver.steady());
+  }
 }
 
 // Mass takes points on with their velocity, damping keeps them where they are.
@@ -78,11 +86,11 @@ void Character::predict(double dt) {
   if (state.gravity.norm() < 1e-9) state.gravity.setZero();  // rounding
   assembly_.set_gravity(settings_.weight && !settings_.inertia ? state.gravity : Vec3(Vec3::Zero()));
   for (const State::Attachment& a : state.attachments) {
-    assembly_.move(a.end, a.exoskeleton->end_positions_[static_cast<std::size_t>(a.vertex)] +
-                              a.exoskeleton->frame_ * a.offset);
+    put_end(a.end, a.exoskeleton->end_positions_[static_cast<std::size_t>(a.vertex)] +
+                       a.exoskeleton->frame_ * a.offset);
   }
   if (state.moves_by_itself) begin_inertia(dt);
-  assembly_.clear_pushes();
+  let_go_of_skin();
   // On an exoskeleton, with nothing on the skin, the shape is found once, after the exoskeleton: until then
   // the skin goes on as it did.
   state.postponed =
@@ -128,16 +136,28 @@ void Character::take_off_forces() {
   for (std::size_t g = 0; g < state.responses.size(); ++g) {
     State::Response& r = state.responses[g];
     if (!r.used) continue;
-    assembly_.impl_->groups[g]->solver.respond(r.load, r.joints, response_tolerance(settings_.joints));
+    assembly_.impl_->groups[g]->solver.respond(r.load, r.joints, kResponse);
     state.shift_skin(*assembly_.impl_, g, end_positions_);
   }
   for (const State::SkinForce& f : state.forces) dent(f.point, -f.force);
 }
 
+// m/N. A point that its holder keeps within a floor cannot be pushed out: it is taken to give way as the skin
+// round it would, so that the force on the holder stays one that fits the depth.
+double Character::held_give(int point) const {
+  const State::SkinPoint& at = state_->skin[static_cast<std::size_t>(point)];
+  if (at.segment >= 0) return 0.0;
+  const GroupState& g = *assembly_.impl_->groups[static_cast<std::size_t>(at.group)];
+  return g.held[at.index] != 0 ? g.group.spacing() / g.group.stiffness_scale() : 0.0;
+}
+
 // The dent that a force leaves in its own segment while the joints stay.
 void Character::dent(int point, const Vec3& force) {
   const State::SkinPoint& at = state_->skin[static_cast<std::size_t>(point)];
-  if (at.segment < 0) return;
+  if (at.segment < 0) {
+    end_positions_[static_cast<std::size_t>(point)] += held_give(point) * force;
+    return;
+  }
   const Assembly::Impl& impl = *assembly_.impl_;
   const PartGroup& group = impl.groups[static_cast<std::size_t>(at.group)]->group;
   const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(at.segment)];
@@ -157,19 +177,21 @@ int Character::columns_of(int point) {
   if (slot >= 0) return slot;
   slot = 3 * static_cast<int>(state.slotted.size());
   state.slotted.push_back(point);
-  if (state.columns.size() < static_cast<std::size_t>(slot) + 3) {
-    state.columns.resize(static_cast<std::size_t>(slot) + 3);
+  // Many at a time: how many points are touched wavers.
+  constexpr std::size_t kSlots = 64;
+  if (state.rows.size() < state.slotted.size()) {
+    state.rows.resize(state.slotted.size() + kSlots, Eigen::Matrix3Xd::Zero(3, state.largest_row));
+    state.columns.resize(3 * state.rows.size(), Eigen::VectorXd::Zero(state.largest_group));
+    state.slotted.reserve(state.rows.size() + 1);
   }
   const auto g = static_cast<std::size_t>(state.skin[static_cast<std::size_t>(point)].group);
-  if (state.rows.size() < state.slotted.size()) state.rows.resize(state.slotted.size());
   state.find_row(*assembly_.impl_, point, state.rows[state.slotted.size() - 1]);
   for (int a = 0; a < 3; ++a) {
-    Eigen::VectorXd& column = state.columns[static_cast<std::size_t>(slot + a)];
-    column.resize(assembly_.impl_->groups[g]->group.size());
+    auto column =
+        state.columns[static_cast<std::size_t>(slot + a)].head(assembly_.impl_->groups[g]->group.size());
     state.responses[g].load.setZero();
     state_->add_joint_load(*assembly_.impl_, point, Vec3::Unit(a), state.responses[g].load);
-    assembly_.impl_->groups[g]->solver.respond(state.responses[g].load, column,
-                                               response_tolerance(settings_.joints));
+    assembly_.impl_->groups[g]->solver.respond(state.responses[g].load, column, kResponse);
   }
   return slot;
 }
@@ -204,7 +226,9 @@ void Character::compliance(std::span<const int> touched, double* blocks) {
         state.gather(segment, slot);
       }
       c.block<3, 3>(3 * i, 3 * j).noalias() =
-          state.rows[static_cast<std::size_t>(columns_of(other) / 3)] * state.gathered;
+          state.rows[static_cast<std::size_t>(columns_of(other) / 3)].leftCols(
+              3 * static_cast<Eigen::Index>(segment.at.size())) *
+          state.gathered.topRows(3 * static_cast<Eigen::Index>(segment.at.size()));
       if (to.segment != at.segment) continue;
       const SegmentModel& model = *impl.models[static_cast<std::size_t>(segment.model)]->model;
       c.block<3, 3>(3 * i, 3 * j) +=
@@ -214,8 +238,10 @@ void Character::compliance(std::span<const int> touched, double* blocks) {
   for (Eigen::Index j = 0; j < 3 * count; ++j) {
     for (Eigen::Index i = 0; i < j; ++i) c(i, j) = c(j, i) = 0.5 * (c(i, j) + c(j, i));
   }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    c.diagonal().segment<3>(3 * i).array() += held_give(touched[static_cast<std::size_t>(i)]);
+  }
   c *= 1.0 / (state.dt * state.dt);
-  c.diagonal().array() += kHeldMobility;
 }
 
 void Character::respond(std::span<const int> touched, std::span<const Vec3> impulses) {
@@ -234,7 +260,8 @@ void Character::respond(std::span<const int> touched, std::span<const Vec3> impu
     const int slot = columns_of(touched[j]);
     for (int a = 0; a < 3; ++a) {
       state.responses[g].joints +=
-          state.forces_now[j].force[a] * state.columns[static_cast<std::size_t>(slot + a)];
+          state.forces_now[j].force[a] *
+          state.columns[static_cast<std::size_t>(slot + a)].head(state.responses[g].joints.size());
     }
   }
   for (std::size_t g = 0; g < state.responses.size(); ++g) {
@@ -242,7 +269,6 @@ void Character::respond(std::span<const int> touched, std::span<const Vec3> impu
   }
   for (std::size_t j = 0; j < touched.size(); ++j) {
     dent(touched[j], state.forces_now[j].force);
-    end_positions_[static_cast<std::size_t>(touched[j])] += state.dt * kHeldMobility * impulses[j];
   }
 }
 
@@ -280,7 +306,7 @@ double Character::farthest_joint(const std::vector<Vec3>& from) const {
 // Balance with the forces that contact and handles were found to bear: what a linear response cannot reach.
 // They have their say again in the next step.
 void Character::solve_under_forces() {
-  assembly_.clear_pushes();
+  let_go_of_skin();
   for (const State::SkinForce& f : state_->forces) push_skin(f.point, f.force);
   assembly_.solve();
   std::copy(assembly_.points().begin(), assembly_.points().end(), end_positions_.begin());

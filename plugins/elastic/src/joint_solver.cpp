@@ -70,8 +70,9 @@ double JointSolver::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& to
   double energy = group_.evaluate(x, gradient_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double away = x[i] - toward[i];
-    energy += 0.5 * inertia_[i] * away * away;
-    gradient_[i] += inertia_[i] * away;
+    const double c = inertia_[i] + drag_;
+    energy += 0.5 * c * away * away;
+    gradient_[i] += c * away;
   }
   free_gradient_ = gradient_;
   mask(free_gradient_);
@@ -92,7 +93,8 @@ bool JointSolver::balanced(double tolerance, const Eigen::VectorXd& x) const {
          tolerance * (group_.force_scale() + 1e-9 * group_.stiffness_scale()) + rounding;
 }
 
-int JointSolver::respond(const Eigen::VectorXd& force, Eigen::VectorXd& displacement, double tolerance) {
+int JointSolver::respond(const Eigen::VectorXd& force, Eigen::Ref<Eigen::VectorXd> displacement,
+                         double tolerance) {
   if (frames_moved_) follow_frames();
   displacement.setZero();
   residual_ = force;
@@ -111,7 +113,7 @@ int JointSolver::respond(const Eigen::VectorXd& force, Eigen::VectorXd& displace
     }
     before = now;
     group_.stiffness_product(search_, product_);
-    product_ += inertia_.cwiseProduct(search_);
+    product_ += inertia_.cwiseProduct(search_) + steady() * search_;
     mask(product_);
     const double curvature = search_.dot(product_);
     if (!(curvature > 0.0)) return i;
@@ -191,7 +193,8 @@ JointSolver::Outcome JointSolver::solve(const AssemblySettings& settings, double
     double length = largest > longest ? longest / largest : 1.0;
     trial_gradient_ = free_gradient_;
     // Energies agree to rounding near balance; then less slope along the way is what counts.
-    const double rounding = (single_ ? 1e-7 : 1e-14) * std::abs(energy);
+    const double terms = std::abs(energy) + group_.energy_scale() + group_.loads.norm() * x.norm();
+    const double rounding = (single_ ? 1e-7 : 1e-13) * terms;
     bool better = false;
     double next = energy;
     for (int cut = 0; cut < 12 && !better; ++cut, length *= better ? 1.0 : 0.5) {

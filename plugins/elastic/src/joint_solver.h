@@ -33,10 +33,16 @@ class JointSolver {
   const Eigen::VectorXd& gradient() const { return gradient_; }
   // Joint displacements (m) by joint forces (N) at the shape of the last evaluation, frames held: conjugate
   // gradients to `tolerance`. Returns the iterations.
-  int respond(const Eigen::VectorXd& force, Eigen::VectorXd& displacement, double tolerance);
+  int respond(const Eigen::VectorXd& force, Eigen::Ref<Eigen::VectorXd> displacement, double tolerance);
   // Greatest eigenvalue of the stiffness at rest, N/m: (4) converges for kappa below 2 over it.
   double greatest_stiffness() const { return greatest_; }
   const std::vector<char>& held() const { return held_; }
+  // N/m of each point against leaving x^, on top of the inertia: as much as steady() while something pushes
+  // the skin, else 0.
+  void set_drag(double drag) { drag_ = drag; }
+  // What keeps parts that are held by points from spinning about them under a push: next to nothing beside
+  // their own stiffness. Part of every respond().
+  double steady() const { return 1e-5 * group_.stiffness_scale() / group_.spacing(); }
 
  private:
   static constexpr int kMemory = 8;
@@ -51,6 +57,7 @@ class JointSolver {
 
   PartGroup& group_;
   bool single_;
+  double drag_ = 0;
   bool frames_moved_ = true;  // since the joints' modes were factored
   JointModes modes_;
   std::vector<char> held_;

@@ -23,8 +23,9 @@ Vec3 volume_moment(const TriangleMesh& mesh, const Vec3& origin) {
   return moment;
 }
 
-Eigen::Map<const Eigen::MatrixXd> matrix_of(const std::vector<double>& values, Eigen::Index rows) {
-  return {values.data(), rows, static_cast<Eigen::Index>(values.size()) / rows};
+Eigen::Map<const Eigen::MatrixXd> matrix_of(const std::vector<double>& values, Eigen::Index rows,
+                                            Eigen::Index columns) {
+  return {values.data(), rows, columns};
 }
 
 }  // namespace
@@ -35,8 +36,10 @@ std::shared_ptr<const PackedModel> pack_model(const SegmentModel& model, const K
   const Eigen::Index joint = model.joint_points(), free = model.free_points();
   packed->model = &model;
   packed->kernels = &kernels;
-  packed->stiffness = Product(kernels, matrix_of(model.stiffness, 3 * joint), single);
-  packed->free_response = Product(kernels, matrix_of(model.free_response, 3 * free), single);
+  packed->stiffness = Product(kernels, matrix_of(model.stiffness, 3 * joint, 3 * joint), single);
+  packed->exact_stiffness =
+      single ? Product(kernels, matrix_of(model.stiffness, 3 * joint, 3 * joint), false) : packed->stiffness;
+  packed->free_response = Product(kernels, matrix_of(model.free_response, 3 * free, 3 * joint), single);
   for (const int v : model.joint_vertices) {
     packed->mean += model.mesh.vertices[static_cast<std::size_t>(v)] / static_cast<double>(joint);
   }
@@ -111,7 +114,8 @@ PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, i
     const Product& k = models_[m]->stiffness;
     batches_[m].displacements.resize(static_cast<std::size_t>(n * k.depth()));
     batches_[m].probes.resize(static_cast<std::size_t>(n * k.depth()));
-    batches_[m].forces.resize(static_cast<std::size_t>(n * k.padded_rows()));
+    batches_[m].forces.resize(
+        static_cast<std::size_t>(n * std::max(k.padded_rows(), models_[m]->exact_stiffness.padded_rows())));
     scratch = std::max(scratch, k.scratch(n));
     gathered_.resize(std::max(gathered_.size(), static_cast<std::size_t>(k.depth())));
   }
@@ -146,9 +150,10 @@ PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, i
   bone_gradient_.resize(longest);
   for (const Segment& segment : segments_) {
     const SegmentModel& model = *models_[static_cast<std::size_t>(segment.model)]->model;
-    stiffness_scale_ =
-        std::max(stiffness_scale_,
-                 matrix_of(model.stiffness, 3 * model.joint_points()).diagonal().maxCoeff() * spacing_);
+    stiffness_scale_ = std::max(
+        stiffness_scale_,
+        matrix_of(model.stiffness, 3 * model.joint_points(), 3 * model.joint_points()).diagonal().maxCoeff() *
+            spacing_);
   }
 }
 
@@ -192,7 +197,7 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
   gradient.setZero();
   last_ = x;
   double energy = 0, forces = 0;
-  elastic_energy_ = 0;
+  elastic_energy_ = energy_scale_ = 0;
   for (std::size_t m = 0; m < batches_.size(); ++m) {
     Batch& batch = batches_[m];
     if (batch.segments.empty()) continue;
@@ -205,9 +210,9 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
     packed.stiffness.multiply(batch.displacements.data(), static_cast<Eigen::Index>(batch.segments.size()),
                               batch.forces.data(), scratch_.data());
     products += static_cast<long long>(batch.segments.size());
-    const Eigen::Map<const Eigen::MatrixXd> weight = matrix_of(packed.model->joint_weight, depth);
+    const Eigen::Map<const Eigen::MatrixXd> weight = matrix_of(packed.model->joint_weight, depth, 3);
     const Eigen::Map<const Eigen::MatrixXd> response =
-        matrix_of(packed.model->free_response, 3 * packed.model->free_points());
+        matrix_of(packed.model->free_response, 3 * packed.model->free_points(), depth);
     const Eigen::Index free = packed.model->free_points();
     for (const int s : batch.segments) {
       Segment& segment = segments_[static_cast<std::size_t>(s)];
@@ -220,6 +225,7 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
       const double strain = 0.5 * sums[0];
       energy += strain;
       elastic_energy_ += strain;
+      energy_scale_ += d_all.squaredNorm();
       forces += sums[1];
       Vec3 torque = Vec3::Zero();  // of what hangs on the frame but is no joint force
       bool loaded = false;
@@ -261,6 +267,7 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
       }
     }
   }
+  energy_scale_ *= stiffness_scale_ / spacing_;
   force_scale_ = std::sqrt(forces);
   gradient -= loads;
   energy -= loads.dot(x);

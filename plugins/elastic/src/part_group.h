@@ -20,6 +20,7 @@ struct PackedModel {
   const SegmentModel* model = nullptr;
   const Kernels* kernels = nullptr;
   Product stiffness;                                   // K
+  Product exact_stiffness;                             // K in double precision
   Product free_response;                               // Phi
   Eigen::Matrix<double, Eigen::Dynamic, 3> free_rest;  // m, of the free vertices, in the mesh's frame
   Eigen::Matrix<double, Eigen::Dynamic, 3> arms;       // X of the joint points from their mean
@@ -79,8 +80,13 @@ class PartGroup {
   double largest_turn() const;
   // Stiffness at rest without `held` points, plus `inertia` (kg/s2) for each point.
   BlockRows rest_stiffness(const std::vector<char>& held, const Eigen::VectorXd& inertia) const;
+  // Largest stiffness (N/m) against moving the first point of a joint alone, all others held.
+  double point_stiffness(std::size_t joint) const;
   // Of the segments alone at the last evaluate(), J.
   double elastic_energy() const { return elastic_energy_; }
+  // Sum of |K| |d|^2 at the last evaluate(), J: rounding of the energy is a small part of this, not of the
+  // energy, which is far less where joints hardly strain.
+  double energy_scale() const { return energy_scale_; }
   // Norm of the segments' joint forces at the last evaluate() (N), against which imbalance is measured.
   double force_scale() const { return force_scale_; }
   // A force that would strain all of the group by one (N).
@@ -131,6 +137,7 @@ class PartGroup {
   std::vector<Batch> batches_;
   Eigen::VectorXd rest_;
   Eigen::VectorXd last_;  // points of the last evaluate()
+  double energy_scale_ = 0;
   double elastic_energy_ = 0, force_scale_ = 0, stiffness_scale_ = 0, spacing_ = 0;
   const Kernels& kernels_;
   std::vector<float> scratch_;

@@ -5,13 +5,39 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
+double PartGroup::point_stiffness(std::size_t j) const {
+  const Joint& joint = joints_[j];
+  double sum = 0;
+  for (const int s : joint.segments) {
+    if (s < 0) continue;
+    const Segment& segment = segments_[static_cast<std::size_t>(s)];
+    const SegmentModel& model = *models_[static_cast<std::size_t>(segment.model)]->model;
+    const auto count = static_cast<std::size_t>(model.joint_points());
+    const auto i = static_cast<std::size_t>(std::find(segment.at.begin(), segment.at.end(), 3 * joint.first) -
+                                            segment.at.begin());
+    double largest = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t k = a * count + i;
+      largest = std::max(largest, model.stiffness[k * 3 * count + k]);
+    }
+    sum += largest;
+  }
+  for (const Bone& bone : bones_) {
+    if (std::find(bone.at.begin(), bone.at.end(), 3 * joint.first) != bone.at.end()) {
+      sum += bone.settings.length_stiffness;
+    }
+  }
+  return sum;
+}
+
 void PartGroup::stiffness_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) {
   force.setZero();
   for (std::size_t m = 0; m < batches_.size(); ++m) {
     Batch& batch = batches_[m];
     if (batch.segments.empty()) continue;
     const PackedModel& packed = *models_[m];
-    const Eigen::Index count = packed.arms.rows(), depth = 3 * count, rows = packed.stiffness.padded_rows();
+    const Eigen::Index count = packed.arms.rows(), depth = 3 * count,
+                       rows = packed.exact_stiffness.padded_rows();
     for (const int s : batch.segments) {
       const Segment& segment = segments_[static_cast<std::size_t>(s)];
       const Mat3 r = segment.rotation;
@@ -23,8 +49,8 @@ void PartGroup::stiffness_product(const Eigen::VectorXd& displacement, Eigen::Ve
         d.row(i) = r.transpose() * p;
       }
     }
-    packed.stiffness.multiply(batch.probes.data(), static_cast<Eigen::Index>(batch.segments.size()),
-                              batch.forces.data(), scratch_.data());
+    packed.exact_stiffness.multiply(batch.probes.data(), static_cast<Eigen::Index>(batch.segments.size()),
+                                    batch.forces.data(), scratch_.data());
     products += static_cast<long long>(batch.segments.size());
     for (const int s : batch.segments) {
       const Segment& segment = segments_[static_cast<std::size_t>(s)];

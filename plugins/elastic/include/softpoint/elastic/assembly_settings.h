@@ -22,10 +22,10 @@ enum class Predictor {
 struct AssemblySettings {
   JointMethod method = JointMethod::kEquilibrium;
   // Joints are in balance when what is left over is below this part of the joint forces, 1e-14 to 1.
-  double tolerance = 1e-3;
+  double tolerance = 1e-4;
   // A solve, 0 to 100000; each multiplies every segment once or twice. 0: joints are carried along by what
   // holds them, nothing is balanced, and forces are found only when they are asked for.
-  int max_iterations = 12;
+  int max_iterations = 16;
   double kappa = 0;  // m/N of (4); 0 takes half the limit of convergence
   Predictor predictor = Predictor::kAutomatic;
   int ik_sweeps = 10;            // of cyclic coordinate descent, 0 to 1000
@@ -35,7 +35,7 @@ struct AssemblySettings {
   // Balance to 1e-10, products in double.
   static AssemblySettings exact() {
     AssemblySettings s;
-    s.tolerance = 1e-11;
+    s.tolerance = 5e-11;
     s.max_iterations = 1000;
     s.single_precision = false;
     return s;

@@ -67,15 +67,19 @@ class SOFTPOINT_API Character final : public Deformable {
   void restored() override;
 
   void begin_inertia(double dt);
+  void let_go_of_skin();
   void push_skin(int point, const Vec3& force);
   void take_off_forces();
   int columns_of(int point);
+  double held_give(int point) const;
   void dent(int point, const Vec3& force);
   void take_joints(const std::vector<Vec3>& from);
   double farthest_joint(const std::vector<Vec3>& from) const;
   void solve_under_forces();
   void follow_exoskeletons();
   void load_exoskeletons();
+  void steady_grounded(ElasticBody& exoskeleton);
+  void put_end(const PartEnd& end, const Vec3& to);
   double measure_end_stiffness(int group);
 
   Assembly assembly_;
