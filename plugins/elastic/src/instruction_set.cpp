@@ -1,73 +1,17 @@
 #include "instruction_set.h"
 
-#include <algorithm>
-#include <cstdlib>
-#include <string_view>
-
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
-namespace {
 
-bool machine_has(InstructionSet set) {
-#if defined(__x86_64__) && defined(__GNUC__)
-  switch (set) {
-    case InstructionSet::kBaseline:
-      return true;
-    case InstructionSet::kAvx2:
-      return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    case InstructionSet::kAvx512:
-      return machine_has(InstructionSet::kAvx2) && __builtin_cpu_supports("avx512f") &&
-             __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-  }
-  return false;
-#else
-  return set == InstructionSet::kBaseline;
-#endif
-}
-
-const Kernels* built(InstructionSet set) {
+const Kernels& kernels_for(InstructionSet set) {
   switch (set) {
     case InstructionSet::kAvx512:
-      return kernels_avx512();
+      return *kernels_avx512();
     case InstructionSet::kAvx2:
-      return kernels_avx2();
+      return *kernels_avx2();
     case InstructionSet::kBaseline:
       break;
   }
-  return kernels_baseline();
+  return *kernels_baseline();
 }
-
-InstructionSet limit_of_environment() {
-  const char* text = std::getenv("SOFTPOINT_MAX_ISA");
-  const std::string_view value = text == nullptr ? "" : text;
-  if (value == "baseline") return InstructionSet::kBaseline;
-  if (value == "avx2") return InstructionSet::kAvx2;
-  return InstructionSet::kAvx512;
-}
-
-}  // namespace
-
-const char* name(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return "avx512";
-    case InstructionSet::kAvx2:
-      return "avx2";
-    case InstructionSet::kBaseline:
-      break;
-  }
-  return "baseline";
-}
-
-InstructionSet choose_instruction_set(InstructionSet limit) {
-  const InstructionSet most = std::min(limit, limit_of_environment());
-  for (InstructionSet set : {InstructionSet::kAvx512, InstructionSet::kAvx2}) {
-    if (set <= most && machine_has(set) && built(set) != nullptr) return set;
-  }
-  return InstructionSet::kBaseline;
-}
-
-InstructionSet best_instruction_set() { return choose_instruction_set(InstructionSet::kAvx512); }
-
-const Kernels& kernels_for(InstructionSet set) { return *built(set); }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

@@ -5,8 +5,7 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
-// The kernels of the best instruction set not beyond `limit`, and which one that is.
-InstructionSet choose_instruction_set(InstructionSet limit);
+// For a set that choose_instruction_set() gave.
 const Kernels& kernels_for(InstructionSet set);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

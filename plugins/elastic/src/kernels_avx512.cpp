@@ -1,6 +1,8 @@
 // For processors with AVX-512 F, DQ and VL. The pragma does what the -m flags would, so that a plain
 // compiler line without flags for single files builds this variant too.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#include "softpoint/core/instruction_set.h"
+
+#if SOFTPOINT_HAS_X86_KERNELS
 #pragma GCC target("avx512f,avx512dq,avx512vl,avx2,fma")
 #define SOFTPOINT_KERNEL_NAME kernels_avx512
 #define SOFTPOINT_KERNEL_LANES 8

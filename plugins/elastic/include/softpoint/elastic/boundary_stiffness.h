@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "softpoint/core/config.h"
+#include "softpoint/core/instruction_set.h"
 #include "softpoint/core/triangle_mesh.h"
 
 // The elastic solid seen from its surface: a symmetric matrix that takes the displacements of the
@@ -31,14 +32,9 @@ struct Quadrature {
   SOFTPOINT_API Quadrature resolved(int vertices) const;
 };
 
-// Instruction sets the heavy kernels are built for. Results differ in the last digits between them and
-// are bit-identical within one.
-enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
-// "baseline", "avx2", "avx512".
-SOFTPOINT_API const char* name(InstructionSet set);
-// The best one that this machine has, this library was built with, and the environment variable
-// SOFTPOINT_MAX_ISA (baseline, avx2 or avx512; anything else is ignored) allows.
-SOFTPOINT_API InstructionSet best_instruction_set();
+using softpoint::best_instruction_set;
+using softpoint::InstructionSet;
+using softpoint::name;
 
 // How stiffness is assembled.
 struct StiffnessSettings {
