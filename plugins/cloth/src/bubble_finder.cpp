@@ -1,0 +1,261 @@
+#include "bubble_finder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "disjoint_sets.h"
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::cloth {
+
+BubbleFinder::BubbleFinder(AirTopology topology, const AirSettings& settings)
+    : topology_(std::move(topology)), settings_(settings) {
+  check(settings);
+  const std::size_t points = topology_.points, faces = topology_.faces.size(), edges = topology_.edges.size();
+  has_closed_ = std::find(topology_.closed.begin(), topology_.closed.end(), 1) != topology_.closed.end();
+  saturation_.assign(points, 0.0);
+  dry_pores_.assign(faces, 1.0);
+  touching_.assign(points, 0);
+  touch_frames_.assign(points, 0);
+  airy_.assign(faces, 0);
+  face_pocket_.assign(faces, -1);
+  old_face_pocket_.assign(faces, -1);
+  parents_.assign(faces, 0);
+  face_volume_.assign(faces, 0.0);
+  parked_.assign(faces, 0.0);
+  // There are no more bubbles than faces, no more quads than sides of edges.
+  pockets_.reserve(faces);
+  old_pockets_.reserve(faces);
+  bubbles_.reserve(faces + 1);
+  old_weight_.reserve(faces);
+  old_area_.reserve(faces);
+  old_children_.reserve(faces);
+  seen_by_.reserve(faces);
+  face_order_.assign(faces, 0);
+  order_cursor_.reserve(faces + 1);
+  rims_.reserve(2 * edges);
+  rim_list_.reserve(2 * edges);
+  rim_unsorted_.reserve(2 * edges);
+  rim_cursor_.reserve(faces + 1);
+  border_point_.assign(points, 0);
+  adhesion_.assign(points, 0.0);
+  openings_.reserve(2 * edges + 2);
+  for (const AirTopology::Edge& edge : topology_.edges) {
+    if (edge.other < 0) border_point_[edge.a] = border_point_[edge.b] = 1;
+  }
+}
+
+void BubbleFinder::set_settings(const AirSettings& settings) {
+  check(settings);
+  if (settings.bubbles != settings_.bubbles) drop_all();
+  settings_ = settings;
+  find_wet();
+}
+
+void BubbleFinder::find_wet() {
+  wet_ = std::any_of(saturation_.begin(), saturation_.end(),
+                     [&](double value) { return value > 0 && value >= settings_.wet; });
+}
+
+void BubbleFinder::set_saturation(std::span<const double> saturation) {
+  if (static_cast<int>(saturation.size()) != topology_.points) {
+    throw Error("saturation: " + std::to_string(saturation.size()) + " values; permitted: one a point, " +
+                std::to_string(topology_.points));
+  }
+  for (const double value : saturation) check_range("saturation", value, 0, 1);
+  std::copy(saturation.begin(), saturation.end(), saturation_.begin());
+  find_wet();
+  for (std::size_t f = 0; f < dry_pores_.size(); ++f) {
+    const Triangle& face = topology_.faces[f];
+    const double dry = 1 - (saturation_[face[0]] + saturation_[face[1]] + saturation_[face[2]]) / 3;
+    dry_pores_[f] = dry * dry * dry;
+  }
+}
+
+bool BubbleFinder::find(const AirFrame& frame) {
+  if (settings_.bubbles == Bubbles::kOff) {
+    ++counts_.skipped_off;
+    return false;
+  }
+  if (!wet_ && !has_closed_ && settings_.bubbles == Bubbles::kFound) {
+    ++counts_.skipped_dry;
+    drop_all();
+    return false;
+  }
+  ++counts_.frames;
+  const bool changed = update_touch(frame.gaps);
+  if (changed) {
+    group();
+    number_pockets();
+  } else {
+    ++counts_.labels_kept;
+  }
+  measure_faces(frame);
+  if (changed) {
+    move_air();
+    collect_rims();
+  }
+  measure_pockets(frame);
+  if (fresh_) first_air();
+  fresh_ = false;
+  measure_rims(frame.gaps);
+  for (const Rim& rim : rim_list_) {
+    const AirTopology::Edge& edge = topology_.edges[rim.edge];
+    const int a = rim.reversed ? edge.b : edge.a, b = rim.reversed ? edge.a : edge.b;
+    rims_.push_back({face_pocket_[rim.face], a, b, frame.feet[a], frame.feet[b]});
+  }
+  close_pockets();
+  adhere(frame.gaps);
+  return std::any_of(pockets_.begin(), pockets_.end(), [](const AirPocket& pocket) { return !pocket.open; });
+}
+
+// Hysteresis in space, and a touch counts only once it has lasted: so a point that rattles between the two
+// gaps, or in and out of them, parts nothing. A release counts at once, or a fast lift would be late.
+bool BubbleFinder::update_touch(std::span<const double> gaps) {
+  bool changed = fresh_;
+  const double touch = settings_.touch_gap, release = settings_.release_gap;
+  for (int i = 0; i < topology_.points; ++i) {
+    const bool near = gaps[i] <= touch;
+    bool now = touching_[i] != 0;
+    if (now) {
+      now = gaps[i] <= release;
+    } else {
+      touch_frames_[i] = near ? touch_frames_[i] + 1 : 0;
+      now = near && (fresh_ || touch_frames_[i] >= settings_.lifetime);
+    }
+    if (now != (touching_[i] != 0)) {
+      touching_[i] = now;
+      touch_frames_[i] = 0;
+      changed = true;
+    }
+  }
+  // Coming into reach of a collider, or leaving it, moves faces in and out of bubbles too.
+  for (std::size_t f = 0; f < topology_.faces.size(); ++f) {
+    const Triangle& face = topology_.faces[f];
+    const bool reach =
+        std::isfinite(gaps[face[0]]) && std::isfinite(gaps[face[1]]) && std::isfinite(gaps[face[2]]);
+    const bool touches = touching_[face[0]] && touching_[face[1]] && touching_[face[2]];
+    const char airy = topology_.closed[f] ? 1 : reach && (settings_.bubbles == Bubbles::kOne || !touches);
+    if (airy != airy_[f]) {
+      airy_[f] = airy;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
+void BubbleFinder::group() {
+  for (std::size_t f = 0; f < parents_.size(); ++f) parents_[f] = static_cast<int>(f);
+  const DisjointSets sets(parents_);
+  const bool one = settings_.bubbles == Bubbles::kOne;
+  for (const AirTopology::Edge& edge : topology_.edges) {
+    if (edge.other < 0 || !airy(edge.face) || !airy(edge.other)) continue;
+    if (topology_.closed[edge.face] || one || !wholly_touching(edge)) sets.unite(edge.face, edge.other);
+  }
+  if (!one) return;
+  int first = -1;  // pieces of an open cloth share the one bubble
+  for (std::size_t f = 0; f < parents_.size(); ++f) {
+    if (!airy_[f] || topology_.closed[f]) continue;
+    if (first < 0) first = static_cast<int>(f);
+    sets.unite(first, static_cast<int>(f));
+  }
+}
+
+// In the order of their first faces, which stand for their sets.
+void BubbleFinder::number_pockets() {
+  std::swap(face_pocket_, old_face_pocket_);
+  std::swap(pockets_, old_pockets_);
+  pockets_.clear();
+  bubbles_.clear();
+  const DisjointSets sets(parents_);
+  for (std::size_t f = 0; f < parents_.size(); ++f) {
+    if (!airy_[f]) {
+      face_pocket_[f] = -1;
+      continue;
+    }
+    const int root = sets.find(static_cast<int>(f));
+    if (root == static_cast<int>(f)) {
+      face_pocket_[f] = static_cast<int>(pockets_.size());
+      pockets_.emplace_back();
+      bubbles_.emplace_back();
+      bubbles_.back().closed = topology_.closed[f] != 0;
+      if (old_face_pocket_[f] >= 0) pockets_.back().side = old_pockets_[old_face_pocket_[f]].side;
+    } else {
+      face_pocket_[f] = face_pocket_[root];
+    }
+  }
+}
+
+void BubbleFinder::exchange(double dt, std::span<const double> volumes) {
+  if (pockets_.empty()) return;
+  const double ambient = settings_.ambient;
+  for (std::size_t i = 0; i < pockets_.size(); ++i) {
+    AirPocket& pocket = pockets_[i];
+    const Bubble& bubble = bubbles_[i];
+    const double volume = volumes[i];
+    if (bubble.thin || !(volume > 0)) continue;
+    if (pocket.open) {
+      vent(static_cast<int>(i), pocket.air - ambient * volume);
+      continue;
+    }
+    // Air that burst through the pores within the frame, while suction stood at its limit.
+    const double least = std::max(ambient - pocket.max_suction, 0.0) * volume;
+    if (pocket.air < least) vent(static_cast<int>(i), pocket.air - least);
+    openings_.clear();
+    if (settings_.leak) {
+      openings_.push_back({bubble.open_weave, 0});
+      openings_.push_back({bubble.wet_weave, bubble_point(settings_)});
+    }
+    for (int r = bubble.rim_begin; settings_.vent && r < rim_end(static_cast<int>(i)); ++r) {
+      const Rim& rim = rim_list_[r];
+      if (!rim.free) continue;
+      const AirTopology::Edge& edge = topology_.edges[rim.edge];
+      const double gap = std::max(rim.gap, settings_.film_gap);
+      const bool film =
+          rim.gap <= settings_.bridge_gap && (saturation_[edge.a] + saturation_[edge.b]) / 2 >= settings_.wet;
+      openings_.push_back({edge.length * gap * gap * gap / (12 * settings_.viscosity * settings_.rim_width),
+                           film ? film_pressure(settings_, rim.gap) : 0.0});
+    }
+    const double after = air_after_leak(pocket.air, volume, dt, ambient, pocket.min_pressure,
+                                        {openings_.data(), openings_.size()});
+    vent(static_cast<int>(i), pocket.air - after);
+  }
+}
+
+void BubbleFinder::vent(int pocket, double air) {
+  pockets_[pocket].air -= air;
+  const double sum = vented_ + air;
+  vented_rest_ += std::abs(vented_) >= std::abs(air) ? (vented_ - sum) + air : (air - sum) + vented_;
+  vented_ = sum;
+}
+
+void BubbleFinder::drop_all() {
+  if (fresh_) return;
+  for (std::size_t i = 0; i < pockets_.size(); ++i) vent(static_cast<int>(i), pockets_[i].air);
+  const double rest = air();  // at rest on patches
+  vented_ += rest;
+  std::fill(parked_.begin(), parked_.end(), 0.0);
+  std::fill(face_pocket_.begin(), face_pocket_.end(), -1);
+  std::fill(adhesion_.begin(), adhesion_.end(), 0.0);
+  std::fill(airy_.begin(), airy_.end(), 0);
+  pockets_.clear();
+  bubbles_.clear();
+  rims_.clear();
+  rim_list_.clear();
+  fresh_ = true;
+}
+
+double BubbleFinder::vented() const { return vented_ + vented_rest_; }
+
+double BubbleFinder::air() const {
+  double sum = 0;
+  for (const AirPocket& pocket : pockets_) sum += pocket.air;
+  for (const double air : parked_) sum += air;
+  return sum;
+}
+
+double BubbleFinder::audit() const { return air() + vented() - total_; }
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::cloth
