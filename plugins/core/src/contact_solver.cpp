@@ -39,7 +39,7 @@ void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const s
       }
     }
     for (const Handle& handle : handles) {
-      if (handle.body == static_cast<int>(b)) {
+      if (handle.body == static_cast<int>(b) && !handle.own) {
         touch(handle.point);
       }
     }

@@ -189,11 +189,7 @@ void Deformable::mirror(double dt) {
   m_bounds[1] = to_bullet(middle + permitted);
 }
 
-void Deformable::begin(double dt, const Vec3& gravity) {
-  const Vec3 change = dt * (gravity + acceleration_);
-  for (std::size_t v = 0; v < velocities_.size(); ++v) {
-    velocities_[v] += change;
-  }
+void Deformable::take_impulses() {
   if (impulses_queued_) {
     for (std::size_t v = 0; v < velocities_.size(); ++v) {
       velocities_[v] += impulses_[v] / masses_[v];
@@ -201,11 +197,54 @@ void Deformable::begin(double dt, const Vec3& gravity) {
     }
     impulses_queued_ = false;
   }
+}
+
+void Deformable::begin(double dt, const Vec3& gravity) {
+  step_ = dt;
+  const Vec3 change = dt * (gravity + acceleration_);
+  for (std::size_t v = 0; v < velocities_.size(); ++v) {
+    velocities_[v] += change;
+  }
+  take_impulses();
   impulse_points_ = positions_;
   couple_.setZero();
   predict(dt);
   free_positions_ = end_positions_;
 }
+
+// What solves its own contact moves later; until then its ends are those of a free flight.
+void Deformable::begin_own(double dt, const Vec3& gravity) {
+  step_ = dt;
+  take_impulses();
+  const Vec3 change = dt * (gravity + acceleration_);
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    end_positions_[v] = positions_[v] + dt * (velocities_[v] + change);
+  }
+}
+
+void Deformable::predict(double dt) {
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    end_positions_[v] = positions_[v] + dt * velocities_[v];
+  }
+}
+
+void Deformable::compliance(std::span<const int> touched, double* blocks) {
+  const std::size_t n = 3 * touched.size();
+  std::fill(blocks, blocks + n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    blocks[i * n + i] = 1.0 / masses_[static_cast<std::size_t>(touched[i / 3])];
+  }
+}
+
+void Deformable::respond(std::span<const int> touched, std::span<const Vec3> impulses) {
+  end_positions_ = free_positions_;
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    const auto v = static_cast<std::size_t>(touched[i]);
+    end_positions_[v] += step_ * impulses[i] / masses_[v];
+  }
+}
+
+void Deformable::advance_by(double, const Vec3&, NearColliders&, std::span<HeldPoint>) {}
 
 void Deformable::commit(double dt) {
   for (std::size_t v = 0; v < positions_.size(); ++v) {

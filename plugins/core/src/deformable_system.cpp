@@ -78,9 +78,10 @@ void DeformableSystem::remove(Deformable& body) {
 
 void DeformableSystem::Impl::forget(const Deformable& body) {
   const int gone = index_of(&body);
-  const auto of_body = [&](const Contact& c) { return c.body == gone || c.object == &body; };
+  const auto of_body = [&](const auto& c) { return c.body == gone || c.object == &body; };
   contacts_.erase_if(of_body);
   std::erase_if(resting_contacts_, [&](const RestingContact& r) { return of_body(r.contact); });
+  std::erase_if(own_loads_, of_body);
   patches_.forget_body(gone);
   for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
     std::erase_if(*list, [&](const Handle& h) {
@@ -98,6 +99,9 @@ void DeformableSystem::Impl::forget(const Deformable& body) {
     contact.other_body -= contact.other_body > gone;
   }
   contacts_.reindex();
+  for (OwnLoad& load : own_loads_) {
+    load.body -= load.body > gone;
+  }
   for (RestingContact& resting : resting_contacts_) {
     resting.contact.body -= resting.contact.body > gone;
     resting.contact.other_body -= resting.contact.other_body > gone;

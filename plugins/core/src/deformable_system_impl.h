@@ -5,6 +5,7 @@
 #include "contact_finder.h"
 #include "contact_solver.h"
 #include "mesh_patches.h"
+#include "near_colliders_impl.h"
 #include "pair_algorithm.h"
 #include "softpoint/core/deformable_system.h"
 #include "solver_tap.h"
@@ -68,6 +69,13 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
     bool joins(int a, int b) const { return (a == first && b == second) || (a == second && b == first); }
     int rigid_of(int body) const { return body == first ? first_rigid : second_rigid; }
   };
+  struct OwnLoad {  // what a body that solves its own contact did to a collider in the last substep
+    int body = 0;
+    const btCollisionObject* object = nullptr;
+    Wrench wrench;  // on the collider
+    double dt = 0;  // s, of the substep over which it acted
+    int object_index = 0;
+  };
   struct Surrounding {  // a static or kinematic object near a sleeping body, and where it was
     const Deformable* body = nullptr;
     const btCollisionObject* object = nullptr;
@@ -85,6 +93,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void predict(double dt);          // free motion
   void place_colliders(double dt);  // poses, velocities and shapes of what is near
   void solve_contacts(double dt);   // detect and solve until the end of the step is free of penetration
+  void advance_own(double dt);      // bodies that solve their own contact
   void keep_contacts(double dt);    // readable contact forces, warm start of the next substep
   void commit(double dt);           // new positions, guard, mirror
 
@@ -118,9 +127,17 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   int place_of(const btCollisionObject* object) const;
   void watch_pairs();
   void drop_unpaired();
+  bool apart(const btCollisionObject* body, const btCollisionObject* object) const;
 
   void carry_load(Contact& contact, double scale, double dt);
   void carry_load(Handle& held, double scale, double dt);
+  // Bodies that solve their own contact (own_contact.cpp).
+  void carry_own_loads(double dt);
+  void carry_own_load(OwnLoad& load, double dt);
+  void see_colliders(int body, double dt);
+  void hold_points(int body, double dt);
+  void keep_own_load(int body, double dt);
+  void archive_own_loads(StateArchive& archive, int body);
   void forget_impulses(int body);
   void add_pairs_ahead();
   const ColliderShape& mesh_patch(int body, int rigid, const btConcaveShape& shape, const Pose& local,
@@ -141,6 +158,11 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   ColliderShapes shapes_;
   MeshPatches patches_;
   std::vector<PlacedShape> placed_;
+  std::vector<PlacedShape> own_placed_;  // near bodies that solve their own contact
+  std::vector<OwnLoad> own_loads_;
+  NearColliders near_{std::make_unique<NearColliders::Impl>()};
+  std::vector<HeldPoint> held_;
+  std::vector<NearColliders::Impl::LastVelocity> last_velocities_;
   std::vector<SkinPair> skin_pairs_;
   std::vector<Bounds> step_bounds_;     // of each body from start to free end, with some margin
   std::vector<ContactFinder> finders_;  // one per body: each keeps bounds of its faces

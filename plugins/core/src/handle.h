@@ -17,6 +17,7 @@ struct Handle {
 
   const btCollisionObject* object = nullptr;  // null: the world
   bool collide = true;                        // body and object still collide
+  bool own = false;                           // the body solves its handles itself
   int object_index = 0;                       // where the world's list last had the object
   int rigid = -1;                             // index into RigidStates, this substep
   Vec3 arm = Vec3::Zero();                    // m, of the impulse from the object's centre of mass

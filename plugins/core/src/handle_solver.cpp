@@ -44,7 +44,9 @@ void HandleSolver::prepare(std::span<Handle> handles, std::span<Deformable* cons
     }
   }
   for (std::size_t h = 0; h < handles.size(); ++h) {
-    apply(handles[h], rows_[h], handles[h].impulse, touched, rigid);
+    if (!handles[h].own) {
+      apply(handles[h], rows_[h], handles[h].impulse, touched, rigid);
+    }
   }
 }
 
@@ -73,7 +75,7 @@ void HandleSolver::group(std::span<const Handle> handles, std::size_t bodies, co
     }
     return body;
   };
-  const auto unlimited = [](const Handle& handle) { return std::isinf(handle.max_force); };
+  const auto unlimited = [](const Handle& handle) { return std::isinf(handle.max_force) && !handle.own; };
   for (std::size_t h = 0; h < handles.size(); ++h) {
     if (!unlimited(handles[h]) || !handles[h].anchored()) {
       continue;
@@ -129,7 +131,7 @@ void HandleSolver::factorize(std::span<const Handle> handles, std::span<const To
     block.system.factorize();
   }
   for (std::size_t h = 0; h < handles.size(); ++h) {
-    if (rows_[h].group < 0) {
+    if (rows_[h].group < 0 && !handles[h].own) {
       rows_[h].inverse = coupling(handles[h], rows_[h], handles[h], rows_[h], touched, rigid).inverse();
     }
   }
@@ -170,7 +172,7 @@ double HandleSolver::sweep(std::span<Handle> handles, std::span<TouchedPoints> t
   for (std::size_t h = 0; h < handles.size(); ++h) {
     Handle& handle = handles[h];
     const Row& row = rows_[h];
-    if (row.group >= 0) {
+    if (row.group >= 0 || handle.own) {
       continue;
     }
     const Vec3 off = error(handle, row, touched, rigid);

@@ -70,6 +70,7 @@ Handle DeformableSystem::Impl::new_handle(const char* caller, const char* target
   handle.point = point;
   handle.target = target;
   handle.max_force = max_force;
+  handle.own = body.solves_contact();
   return handle;
 }
 

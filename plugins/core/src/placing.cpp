@@ -29,7 +29,9 @@ void DeformableSystem::Impl::add_shape(int body, int rigid, const btCollisionSha
     ++profile.counts.pairs_skipped;
     return;
   }
-  placed_.push_back({body, {static_cast<int>(placed_.size()), rigid, child++, collider, local}});
+  std::vector<PlacedShape>& list =
+      bodies[static_cast<std::size_t>(body)]->solves_contact() ? own_placed_ : placed_;
+  list.push_back({body, {static_cast<int>(list.size()), rigid, child++, collider, local}});
 }
 
 // The part of a mesh that a body may meet in this step.
@@ -144,6 +146,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
     }
   }
   placed_.clear();
+  own_placed_.clear();
   skin_pairs_.clear();
   profile.counts.pairs = static_cast<int>(pairs_.size());
   add_pairs_ahead();
@@ -158,6 +161,11 @@ void DeformableSystem::Impl::place_colliders(double dt) {
     }
     const int rigid = rigid_.find_or_add(pair.other, dt);
     if (const int other = index_of(pair.other); other >= 0) {
+      if (bodies[static_cast<std::size_t>(pair.body)]->solves_contact() ||
+          bodies[static_cast<std::size_t>(other)]->solves_contact()) {
+        ++profile.counts.pairs_skipped;
+        continue;
+      }
       skin_pairs_.push_back(
           {pair.body, other, rigid_.find_or_add(bodies[static_cast<std::size_t>(pair.body)], dt), rigid});
       continue;
@@ -185,7 +193,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
       }
     }
   }
-  bool touched = !placed_.empty();
+  bool touched = !placed_.empty() || !own_placed_.empty();
   for (Handle& held : handles) {
     if (held.anchored()) {
       held.rigid = rigid_.find_or_add(held.object, dt);
@@ -201,7 +209,7 @@ void DeformableSystem::Impl::place_colliders(double dt) {
     rigid_.push_free(contact.rigid, contact.impulse, contact.arm);  // what open_substep had taken
   }
   for (const Handle& held : handles) {
-    if (held.anchored()) {
+    if (held.anchored() && !held.own) {
       rigid_.push_free(held.rigid, held.impulse, held.arm);
     }
   }
@@ -209,6 +217,8 @@ void DeformableSystem::Impl::place_colliders(double dt) {
     profile.counts.without_pairs +=
         !bodies[b]->asleep() &&
         std::none_of(placed_.begin(), placed_.end(),
+                     [&](const PlacedShape& p) { return p.body == int(b); }) &&
+        std::none_of(own_placed_.begin(), own_placed_.end(),
                      [&](const PlacedShape& p) { return p.body == int(b); }) &&
         std::none_of(skin_pairs_.begin(), skin_pairs_.end(),
                      [&](const SkinPair& p) { return p.first == int(b) || p.second == int(b); });

@@ -120,20 +120,26 @@ int RigidStates::find_or_add_articulated(btMultiBody& body, double dt) {
 }
 
 void RigidStates::push(int index, const Vec3& impulse, const Vec3& arm) {
+  if (impulse != Vec3::Zero()) {
+    push_wrench(index, impulse, arm.cross(impulse));
+  }
+}
+
+void RigidStates::push_wrench(int index, const Vec3& impulse, const Vec3& moment) {
   RigidState& state = (*this)[index];
-  if (!state.movable() || impulse == Vec3::Zero()) {
+  if (!state.movable()) {
     return;
   }
   state.changed = true;
   if (state.body != nullptr) {
     state.velocity += state.inverse_mass.cwiseProduct(impulse);
-    state.angular_velocity += state.inverse_inertia * arm.cross(impulse);
+    state.angular_velocity += state.inverse_inertia * moment;
     return;
   }
   Articulated& articulated = articulated_[static_cast<std::size_t>(state.articulated)];
   articulated.changed = true;
   ArticulatedBody::Twist wrench;
-  wrench << impulse, arm.cross(impulse);
+  wrench << impulse, moment;
   articulated.body.push(state.slot, wrench);
   for (std::size_t slot = 0; slot < articulated.states.size(); ++slot) {
     RigidState& other = (*this)[articulated.states[slot]];
@@ -185,6 +191,18 @@ Mat3 RigidStates::compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b)
   Mat3 result = -cross_matrix(arm_a) * at_a.inverse_inertia * cross_matrix(arm_b);
   result.diagonal() += at_a.inverse_mass;
   return result;
+}
+
+void RigidStates::mobility(int index, double* block) const {
+  const RigidState& state = (*this)[index];
+  Eigen::Map<Eigen::Matrix<double, 6, 6>> result(block);
+  result.setZero();
+  if (state.movable_link) {
+    result = articulated_[static_cast<std::size_t>(state.articulated)].body.response(state.slot, state.slot);
+  } else if (state.body != nullptr) {
+    result.diagonal().head<3>() = state.inverse_mass;
+    result.bottomRightCorner<3, 3>() = state.inverse_inertia;
+  }
 }
 
 bool RigidStates::joined(int a, int b) const {

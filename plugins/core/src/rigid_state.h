@@ -50,11 +50,15 @@ class RigidStates {
   // Impulse (N s) on an object at `arm` (m) from its centre of mass. Changes the velocities of every object
   // that is joined to it. Nothing when the object is not movable.
   void push(int index, const Vec3& impulse, const Vec3& arm);
+  // The same by its moment (N m s) about the centre of mass.
+  void push_wrench(int index, const Vec3& impulse, const Vec3& moment);
   // The same for the free velocities, and the velocities with them.
   void push_free(int index, const Vec3& impulse, const Vec3& arm);
   // d(velocity of object a at arm_a) / d(impulse on object b at arm_b), 1/kg. Zero between objects that are
   // not joined.
   Mat3 compliance(int a, const Vec3& arm_a, int b, const Vec3& arm_b) const;
+  // Column-major 6x6: change of (velocity, angular velocity) of an object per impulse and moment on it.
+  void mobility(int index, double* block) const;
   // Whether pushes on one change the velocities of the other.
   bool joined(int a, int b) const;
   // All velocities back to the free ones.

@@ -66,6 +66,7 @@ void DeformableSystem::Impl::archive_handle(StateArchive& archive, Handle& held)
     held.object = nullptr;
     held.collide = true;
   }
+  held.own = bodies[static_cast<std::size_t>(held.body)]->solves_contact();
 }
 
 void DeformableSystem::Impl::archive_contact(StateArchive& archive, Contact& contact) {

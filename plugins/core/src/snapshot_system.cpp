@@ -102,6 +102,9 @@ void DeformableSystem::Impl::archive(StateArchive& archive, SnapshotScope& scope
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     archive.begin("body", static_cast<long long>(b));
     bodies[b]->archive(archive);
+    if (bodies[b]->solves_contact()) {
+      archive_own_loads(archive, static_cast<int>(b));
+    }
   }
   archive.begin("system");
   const auto handle_entry = [&](Handle& held) { archive_handle(archive, held); };
@@ -198,6 +201,7 @@ void DeformableSystem::Impl::drop_vanished() {
   contacts_.erase_if(vanished);
   std::erase_if(resting_contacts_, [&](const RestingContact& r) { return vanished(r.contact); });
   std::erase_if(surroundings_, vanished);
+  std::erase_if(own_loads_, vanished);
   std::erase_if(contact_points, [&](const ContactPoint& p) { return place_of(p.other) < 0; });
 }
 

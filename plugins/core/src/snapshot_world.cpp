@@ -209,23 +209,31 @@ void DeformableSystem::Impl::watch_pairs() {
   }
 }
 
+// Whether the bounds of the two do not overlap.
+bool DeformableSystem::Impl::apart(const btCollisionObject* body, const btCollisionObject* object) const {
+  const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
+  for (int i = 0; i < pairs.size(); ++i) {
+    const void* a = pairs[i].m_pProxy0->m_clientObject;
+    const void* b = pairs[i].m_pProxy1->m_clientObject;
+    if ((a == body && b == object) || (a == object && b == body)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // After a restoration: contacts whose objects are no longer near go, and their bodies wake.
 void DeformableSystem::Impl::drop_unpaired() {
   watch_pairs();
-  const btBroadphasePairArray& pairs = world.getPairCache()->getOverlappingPairArray();
-  const auto apart = [&](const btCollisionObject* body, const btCollisionObject* object) {
-    for (int i = 0; i < pairs.size(); ++i) {
-      const void* a = pairs[i].m_pProxy0->m_clientObject;
-      const void* b = pairs[i].m_pProxy1->m_clientObject;
-      if ((a == body && b == object) || (a == object && b == body)) {
-        return false;
-      }
-    }
-    return true;
-  };
-  const auto gone = [&](const Contact& contact) {
+  const auto gone = [&](const auto& contact) {
     return apart(bodies[static_cast<std::size_t>(contact.body)], contact.object);
   };
+  for (const OwnLoad& load : own_loads_) {
+    if (gone(load)) {
+      bodies[static_cast<std::size_t>(load.body)]->activate(true);
+    }
+  }
+  std::erase_if(own_loads_, gone);
   contacts_.erase_if(gone);
   for (const RestingContact& resting : resting_contacts_) {
     if (gone(resting.contact)) {

@@ -53,6 +53,7 @@ void DeformableSystem::Impl::pair_gone(const btCollisionObject* deformable, cons
   if (std::any_of(contacts_.all().begin(), contacts_.all().end(), gone)) {
     contacts_.erase_if(gone);
   }
+  std::erase_if(own_loads_, gone);
 }
 
 // Where no pair was near, anchors may still load something.
@@ -71,6 +72,9 @@ void DeformableSystem::Impl::all_solved(double dt) {
   predict(dt);
   place_colliders(dt);
   solve_contacts(dt);
+  advance_own(dt);
+  rigid_.write_back();
+  support_.write_back();
   keep_contacts(dt);
   solved_ = true;
 }
@@ -81,6 +85,11 @@ void DeformableSystem::Impl::updateAction(btCollisionWorld*, btScalar step) {
     ++profile.totals.late_substeps;
     all_solved(dt);
   }
+  for (const NearColliders::Impl::LastVelocity& last : last_velocities_) {
+    last.body->setLinearVelocity(to_bullet(last.velocity));
+    last.body->setAngularVelocity(to_bullet(last.spin));
+  }
+  last_velocities_.clear();
   if (profile.counts.sleeping < static_cast<int>(bodies.size())) {
     commit(dt);
   }
@@ -114,6 +123,7 @@ void DeformableSystem::Impl::open_substep(double dt, bool solved) {
   for (Handle& held : handles) {
     carry_load(held, scale, dt);
   }
+  carry_own_loads(dt);
   rigid_.load(dt, solved);
   rigid_.clear();
   wake_the_roused(dt);
@@ -133,7 +143,7 @@ void DeformableSystem::Impl::carry_load(Contact& contact, double scale, double d
 
 void DeformableSystem::Impl::carry_load(Handle& held, double scale, double dt) {
   held.impulse *= scale;
-  if (held.anchored()) {
+  if (held.anchored() && !held.own) {
     held.arm = bodies[static_cast<std::size_t>(held.body)]->points()[static_cast<std::size_t>(held.point)] -
                from_bullet(held.object->getWorldTransform().getOrigin());
     held.rigid = rigid_.find_or_add(held.object, dt);
@@ -149,7 +159,7 @@ void DeformableSystem::Impl::predict(double dt) {
       continue;
     }
     const long long factored = body->refactorizations_;
-    body->begin(dt, gravity);
+    body->solves_contact() ? body->begin_own(dt, gravity) : body->begin(dt, gravity);
     profile.totals.refactorizations += body->refactorizations_ - factored;
   }
   profile.counts.handles = static_cast<int>(handles.size());
@@ -195,7 +205,9 @@ Vec3 DeformableSystem::Impl::gravity_on(const Deformable& body) const {
 }
 
 void DeformableSystem::Impl::solve_contacts(double dt) {
-  if (placed_.empty() && skin_pairs_.empty() && contacts_.all().empty() && handles.empty()) {
+  const bool none_held =
+      std::all_of(handles.begin(), handles.end(), [](const Handle& held) { return held.own; });
+  if (placed_.empty() && skin_pairs_.empty() && contacts_.all().empty() && none_held) {
     profile.counts.without_contacts = static_cast<int>(bodies.size()) - profile.counts.sleeping;
     return;
   }
@@ -227,8 +239,6 @@ void DeformableSystem::Impl::solve_contacts(double dt) {
           return (c.body == int(b) || c.other_body == int(b)) && c.seen;
         });
   }
-  rigid_.write_back();
-  support_.write_back();
 }
 
 void DeformableSystem::Impl::keep_contacts(double dt) {
@@ -269,12 +279,27 @@ void DeformableSystem::Impl::keep_contacts(double dt) {
     point.gap = contact.normal.dot(point.point - other_point(contact));
     contact_points.push_back(point);
   }
+  for (const OwnLoad& load : own_loads_) {
+    const Deformable& body = *bodies[static_cast<std::size_t>(load.body)];
+    const Vec3& impulse = load.wrench.impulse;
+    if (!body.asleep() && !impulse.isZero(0)) {
+      ContactPoint point;  // all of it as one force on its line
+      point.body = &body;
+      point.other = load.object;
+      point.point = from_bullet(load.object->getWorldTransform().getOrigin()) +
+                    impulse.cross(load.wrench.moment) / impulse.squaredNorm();
+      point.normal = -impulse.normalized();
+      point.force = -impulse / dt;
+      contact_points.push_back(point);
+    }
+  }
   contacts_.erase_if([](const Contact& contact) { return contact.unpaired; });
 }
 
 // What the guard has put back must not be poisoned again by the impulses that led there.
 void DeformableSystem::Impl::forget_impulses(int body) {
   contacts_.erase_if([&](const Contact& c) { return c.body == body || c.other_body == body; });
+  std::erase_if(own_loads_, [&](const OwnLoad& load) { return load.body == body; });
   for (Handle& held : handles) {
     if (held.body == body) {
       held.impulse.setZero();

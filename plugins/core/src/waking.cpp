@@ -41,7 +41,12 @@ void DeformableSystem::Impl::lose_surrounding(const btCollisionObject* deformabl
     return (resting.contact.object == other && body == deformable) ||
            (resting.contact.object == deformable && body == other);
   };
-  if (std::erase_if(resting_contacts_, lost) > 0) {
+  const bool own_lost =
+      static_cast<const Deformable*>(deformable)->asleep() &&
+      std::any_of(own_loads_.begin(), own_loads_.end(), [&](const OwnLoad& load) {
+        return load.object == other && bodies[static_cast<std::size_t>(load.body)] == deformable;
+      });
+  if (std::erase_if(resting_contacts_, lost) > 0 || own_lost) {
     const_cast<btCollisionObject*>(deformable)->activate(true);
     wake_mates(*static_cast<const Deformable*>(deformable));
   }
@@ -173,6 +178,11 @@ void DeformableSystem::Impl::rejoin(Deformable& body, double dt) {
     }
   }
   std::erase_if(resting_contacts_, is_mine);
+  for (OwnLoad& load : own_loads_) {
+    if (load.body == index) {
+      carry_own_load(load, dt);
+    }
+  }
   for (const Handle& held : resting_handles_) {
     if (held.body == index) {
       const auto later = [&](const Handle& h) { return h.id > held.id; };

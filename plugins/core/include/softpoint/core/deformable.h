@@ -14,6 +14,8 @@
 namespace softpoint::inline SOFTPOINT_ABI {
 
 class DeformableSystem;
+class NearColliders;
+struct HeldPoint;
 
 // Base of everything soft. To the Bullet world it is a btSoftBody that serves as mirror and
 // collision proxy: the truth is kept here in double precision, and nodes, faces, face tree and
@@ -70,19 +72,27 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // `positions` in world coordinates (m), `masses` (kg) > 0 per point.
   Deformable(std::vector<Vec3> positions, std::vector<Triangle> triangles, std::vector<double> masses);
 
-  // The four stages a plugin brings. None may allocate after the first step, throw or log.
+  // The four stages a plugin brings, unless it solves its own contact. None may allocate after the first
+  // step, throw or log. By default the points are free particles.
   //
   // 1. Free motion: fill end_positions_ with where the points would be after `dt` seconds without
   //    contact. velocities_ already holds gravity and queued impulses.
-  virtual void predict(double dt) = 0;
+  virtual void predict(double dt);
   // 2. Compliance: `blocks`, column-major 3n x 3n with n = touched.size(), receives the velocity change
   //    (m/s) of touched point i per impulse (N s) on touched point j, for the step begun by predict().
-  virtual void compliance(std::span<const int> touched, double* blocks) = 0;
+  virtual void compliance(std::span<const int> touched, double* blocks);
   // 3. Response: end_positions_ = free_positions_ + dt * (velocity response to these impulses). Their torque
   //    counts at impulse_points_.
-  virtual void respond(std::span<const int> touched, std::span<const Vec3> impulses) = 0;
+  virtual void respond(std::span<const int> touched, std::span<const Vec3> impulses);
   // 4. Commit: take end_positions_ as the new state. The base does x = end, v = (end - x) / dt.
   virtual void commit(double dt);
+  // In place of the first three, for a body whose touching points are too many for dense blocks of
+  // compliance: it is handed the colliders near it and the points held, and moves by itself. advance_by()
+  // fills end_positions_ and the impulses of `held` and gives colliders theirs; velocities_ hold queued
+  // impulses but not `acceleration` (m/s2). Meets no other deformables.
+  virtual bool solves_contact() const { return false; }
+  virtual void advance_by(double dt, const Vec3& acceleration, NearColliders& near,
+                          std::span<HeldPoint> held);
   // Outward unit normals of the skin at its points, as smooth as the plugin knows them, at end_positions_:
   // the directions in which corners of colliders press. By default the area-weighted mean of the faces round
   // a point.
@@ -112,6 +122,8 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   friend class Skin;
 
   void begin(double dt, const Vec3& gravity);
+  void begin_own(double dt, const Vec3& gravity);
+  void take_impulses();
   void finish(double dt);
   void turn_by_couple();
   void mirror(double dt);
@@ -128,6 +140,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   Vec3 acceleration_ = Vec3::Zero();
   Vec3 couple_ = Vec3::Zero();  // N m s, to be added to the torque of the impulses of this step
   double total_mass_ = 0;
+  double step_ = 0;  // s, of the step at work
   bool impulses_queued_ = false;
   long long guard_fired_ = 0;
   SleepSettings sleep_settings_;
