@@ -7,6 +7,7 @@
 #include "air_pocket.h"
 #include "air_topology.h"
 #include "softpoint/cloth/air.h"
+#include "softpoint/core/state_archive.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
@@ -87,6 +88,9 @@ class BubbleFinder {
   double vented() const;  // J, what left for the atmosphere less what came from it
   double audit() const;   // J, what air() + vented() differs by from the air at the start
   double initial_air() const { return total_; }  // J
+
+  // For snapshots: all but settings, counts and what find() measures anew.
+  void archive(StateArchive& archive);
 
  private:
   struct Rim {

@@ -121,7 +121,8 @@ void BubbleFinder::close_pockets() {
     pocket.ambient = settings_.ambient;
     pocket.max_suction =
         settings_.limit_suction && !bubble.closed ? bubble_point(settings_) : AirPocket{}.max_suction;
-    pocket.min_pressure = settings_.limit_suction ? settings_.vapour_pressure : 0.0;
+    pocket.min_pressure =
+        settings_.limit_suction ? std::min(settings_.vapour_pressure, settings_.ambient) : 0.0;
     pocket.open = bubble.thin;
     const int end = rim_end(static_cast<int>(i));
     for (int r = bubble.rim_begin; settings_.vent && !pocket.open && r < end; ++r) {
