@@ -29,7 +29,8 @@ double film_pressure(const AirSettings& settings, double gap) {
 }
 
 double film_adhesion(const AirSettings& settings, double gap) {
-  return film_pressure(settings, gap) * settings.film_gap / std::max(gap, settings.film_gap);
+  const double opened = 1 + std::max(gap, 0.0) / settings.film_gap;
+  return film_pressure(settings, 0) / (opened * opened);
 }
 
 void check(const AirSettings& settings, std::string_view name) {

@@ -56,8 +56,9 @@ SOFTPOINT_API AirSettings thesis_air(double initial_volume);
 SOFTPOINT_API double bubble_point(const AirSettings& settings);
 // Pressure difference that a film across a gap (m, not under film_gap) holds, Pa: 2 gamma cos(theta)/gap.
 SOFTPOINT_API double film_pressure(const AirSettings& settings, double gap);
-// Mean adhesion of a film whose water stays the same while the gap opens, Pa: its area shrinks as
-// film_gap/gap. Integrated over the gap it gives the work of 2 gamma cos(theta) a square metre.
+// Adhesion (Pa) by a film that is film_gap thick at the gap 0 and keeps its water while the gap (m) opens:
+// its pressure falls with its thickness, and so does the area it covers. Integrated over the gap it gives the
+// work of 2 gamma cos(theta) a square metre.
 SOFTPOINT_API double film_adhesion(const AirSettings& settings, double gap);
 
 // Throws Error naming the field, as "<name>.ambient" and so on, its value and the permitted range.
