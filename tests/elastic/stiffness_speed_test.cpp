@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "benchmarks/thread_time.h"
 #include "elastic_support.h"
 
 namespace softpoint::elastic {
@@ -15,19 +16,23 @@ constexpr double kPatience = 100.0;
 constexpr double kPatience = 3.0;
 #endif
 
-double assemble_and_print(const char* shape, const TriangleMesh& mesh, InstructionSet set) {
+// Seconds of the processor, of the fastest of some: a machine that others share stretches the clock.
+double assemble_and_print(const char* shape, const TriangleMesh& mesh, InstructionSet set, int times = 1) {
   StiffnessSettings settings;
   settings.max_instruction_set = set;
   StiffnessSeconds best;
   best.total = 1e9;
-  for (int i = 0; i < (mesh.vertex_count() < 300 ? 3 : 1); ++i) {
+  double fastest = 1e9;
+  for (int i = 0; i < times; ++i) {
+    const double started = benchmarks::thread_seconds();
     const auto model = assemble_stiffness(mesh, 0.3, settings);
+    fastest = std::min(fastest, benchmarks::thread_seconds() - started);
     if (model->instruction_set != set) return 0.0;  // this machine has no such instructions
     if (model->seconds.total < best.total) best = model->seconds;
   }
   std::printf("%-6s %5d %-8s %10.4f %10.4f %12.4f %10.4f %8.4f\n", shape, mesh.vertex_count(), name(set),
               best.quadrature, best.assembly, best.condensation, best.correction, best.total);
-  return best.total;
+  return fastest;
 }
 
 TEST(StiffnessSpeed, MeetsTheClock) {
@@ -42,8 +47,8 @@ TEST(StiffnessSpeed, MeetsTheClock) {
       assemble_and_print("prism", prism(32, 16, 4, 0.5, 1.0), set);
     }
   }
-  EXPECT_LE(assemble_and_print("prism", part, best_instruction_set()), 0.1 * kPatience);
-  EXPECT_LE(assemble_and_print("cube", cube, best_instruction_set()), 1.0 * kPatience);
+  EXPECT_LE(assemble_and_print("prism", part, best_instruction_set(), 3), 0.1 * kPatience);
+  EXPECT_LE(assemble_and_print("cube", cube, best_instruction_set(), 3), 1.0 * kPatience);
 }
 
 }  // namespace

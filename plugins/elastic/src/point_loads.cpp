@@ -113,6 +113,8 @@ bool PointLoads::differ_from_applied(std::span<const int> which, std::span<const
 // K = L L^T, Cholesky with the largest pivot next; rows that others have used up bring no column.
 void PointLoads::factor_stiffness(std::span<const double> stiffness) {
   constexpr double kUsedUp = 1e-13, kNegative = 1e-9;
+  // Whoever turns a stiffness leaves rounding of a point's largest entry in its smallest.
+  constexpr double kTurned = 1e-5;
   const Index n = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(stiffness.size()))));
   trial_.resize(n, n);
   const Eigen::Map<const Eigen::MatrixXd> given(stiffness.data(), n, n);
@@ -148,7 +150,10 @@ void PointLoads::factor_stiffness(std::span<const double> stiffness) {
       if (used_[static_cast<std::size_t>(i)] || used_[static_cast<std::size_t>(j)]) {
         continue;
       }
-      const double bound = kNegative * std::sqrt(std::max(diagonal_[i], 0.0) * std::max(diagonal_[j], 0.0));
+      const auto size = [&](Index k) {
+        return std::max(diagonal_[k], kTurned * diagonal_.segment<3>(k - k % 3).maxCoeff());
+      };
+      const double bound = kNegative * std::sqrt(std::max(size(i), 0.0) * std::max(size(j), 0.0));
       if (!(std::abs(stiffness_(i, j)) <= bound)) {
         throw Error("set_point_loads: stiffness(" + std::to_string(i) + ", " + std::to_string(j) +
                     ") = " + to_text(given(i, j)) + ": permitted is what makes it positive semidefinite");

@@ -37,7 +37,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   // is Q F - Q P K P Q^T (x_end - x_rigid), with Q the turn of the body over the step, x_rigid the points
   // carried along by it, P what takes away the best-fit rigid motion of the points: springs between the
   // points neither brake a flight nor turn it. The stiffness makes the step stable however stiff it is, as
-  // long as the true one is at most twice as stiff; of forces that depend on how the body as a whole lies, no
+  // long as the true one is less than twice as stiff; of forces that depend on how the body as a whole lies, no
   // account is taken within the step. Their owner sets them before each substep (from a pre-tick callback,
   // say); snapshots do not hold them. Allocates nothing where there were as many points before. A change
   // beyond rounding wakes a sleeping body. Throws Error, nothing changed, for indices, numbers or a stiffness
