@@ -1,6 +1,6 @@
 # Objects compiled for AVX must bring no symbol that the linker could merge into code for every processor:
 # nothing weak, nothing undefined but plain C functions, and one strong symbol, the table of kernels.
-#   cmake -DNM=nm "-DOBJECTS=a.o,b.o" -P check_isa_symbols.cmake
+#   cmake -DNM=nm "-DOBJECTS=a.o,b.o" [-DTABLES=<how many tables there are>] -P check_isa_symbols.cmake
 string(REPLACE "," ";" OBJECTS "${OBJECTS}")
 set(checked 0)
 foreach(object IN LISTS OBJECTS)
@@ -32,6 +32,10 @@ foreach(object IN LISTS OBJECTS)
   endif()
   math(EXPR checked "${checked} + 1")
 endforeach()
-if(NOT checked EQUAL 2)
-  message(FATAL_ERROR "${checked} objects found, expected kernels_avx2 and kernels_avx512")
+if(NOT DEFINED TABLES)
+  set(TABLES 1)
+endif()
+math(EXPR expected "2 * ${TABLES}")
+if(NOT checked EQUAL expected)
+  message(FATAL_ERROR "${checked} objects found, expected kernels_avx2 and kernels_avx512 of ${TABLES} tables")
 endif()

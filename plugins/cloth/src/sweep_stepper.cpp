@@ -1,0 +1,203 @@
+#include "sweep_stepper.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "softpoint/core/instruction_set.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::cloth {
+namespace {
+
+const SweepKernelTable& kernels_of_machine() {
+  switch (best_instruction_set()) {
+    case InstructionSet::kAvx512:
+      return *sweep_kernels_avx512();
+    case InstructionSet::kAvx2:
+      return *sweep_kernels_avx2();
+    case InstructionSet::kBaseline:
+      break;
+  }
+  return *sweep_kernels_baseline();
+}
+
+template <class T>
+const SweepKernels<T>& sweep_kernels();
+template <>
+const SweepKernels<float>& sweep_kernels<float>() {
+  return kernels_of_machine().single;
+}
+template <>
+const SweepKernels<double>& sweep_kernels<double>() {
+  return kernels_of_machine().dual;
+}
+
+}  // namespace
+
+#include "stepper_inputs-inl.h"
+// after inputs
+#include "stepper_air-inl.h"
+// after both
+#include "stepper_alone-inl.h"
+#include "stepper_report-inl.h"
+
+template <class T>
+SweepStepper<T>::SweepStepper(std::shared_ptr<ClothInputs> inputs)
+    : ClothStepper(std::move(inputs)),
+      kernels_(sweep_kernels<T>()),
+      arrays_(in_->layout),
+      data_(arrays_.data(in_->fabric.compression_ratio)) {
+  using A = SweepArrays<T>;
+  T* inertia = arrays_.field(A::kInertia);
+  std::fill_n(inertia, arrays_.slots, T(1));
+  for (int slot : in_->layout.slot_of) arrays_.field(A::kFree)[slot] = T(1);
+  std::fill_n(arrays_.field(A::kLevel), arrays_.slots, T(-1));
+  std::fill_n(arrays_.tile_pocket.get(), arrays_.slots / kTile, -1);
+  std::fill_n(arrays_.slot_pocket.get(), arrays_.slots, -1);
+  set_positions(in_->pattern.points);
+}
+
+template <class T>
+int SweepStepper<T>::begin_frame(double dt) {
+  const ClothSettings& dial = in_->settings;
+  dt_ = dt;
+  double fastest = 0;
+  for (const Hand& hand : hands_) {
+    fastest = std::max({fastest, 1.5 * (hand.to - hand.from).norm() / dt, hand.to_velocity.norm()});
+  }
+  for (const PointContacts& contacts : in_->contacts) {
+    for (int k = 0; k < contacts.count; ++k) {
+      fastest = std::max(fastest, std::abs(contacts.planes[k].velocity.dot(contacts.planes[k].normal)));
+    }
+  }
+  double wanted = dt / dial.max_substep;
+  if (dial.max_move > 0) wanted = std::max(wanted, fastest * dt / (dial.max_move * in_->pattern.spacing));
+  const int count = static_cast<int>(std::ceil(std::clamp(wanted - 1e-9, 1.0, double(dial.max_substeps))));
+  h_ = dt / count;
+  contacts_time_ -= time_;
+  time_ = 0;
+  ++profile.frames;
+  return count;
+}
+
+// Inertia's target, and the start of the sweeps: the way goes on as it was. To start from the target instead,
+// with gravity in, stretches cloth under tension thirty times more.
+template <class T>
+void SweepStepper<T>::predict() {
+  using A = SweepArrays<T>;
+  const double drag = 1 / (1 + in_->fabric.drag_rate * h_);
+  const T h = static_cast<T>(h_), scale = static_cast<T>(drag), stiff = static_cast<T>(1 / (drag * h_ * h_));
+  const T *free = arrays_.field(A::kFree), *mass = arrays_.field(A::kMass);
+  T* inertia = arrays_.field(A::kInertia);
+  for (long i = 0; i < arrays_.slots; ++i) inertia[i] = mass[i] * stiff;
+  for (int k = 0; k < 3; ++k) {
+    T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k), *t = arrays_.field(A::kT + k);
+    const T *w = arrays_.field(A::kW + k), *f = arrays_.field(A::kF + k);
+    for (long i = 0; i < arrays_.slots; ++i) {
+      s[i] = x[i];
+      t[i] = x[i] + scale * h * (w[i] + h * f[i]);
+      x[i] += free[i] * (h * w[i]);
+    }
+  }
+  for (const Hand& hand : hands_) {
+    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+  }
+}
+
+template <class T>
+void SweepStepper<T>::sweep_colour(int colour) {
+  const ColourPlan& plan = in_->layout.colours[colour];
+  std::fill(sums_.begin(), sums_.end(), PocketSums{});
+  kernels_.gather(data_, plan, air_, sums_.data());
+  if (air_) {
+    ++profile.boyle_solves;
+    for (std::size_t p = 0; p < sums_.size(); ++p) solve_gauge(p, sums_[p]);
+    for (int round = 0; round < 3; ++round) {
+      std::fill(sums_.begin(), sums_.end(), PocketSums{});
+      if (kernels_.move(data_, plan, gauges_.data(), sums_.data()) == 0) break;
+      if (round == 2) break;
+      ++profile.boyle_repeats;
+      for (std::size_t p = 0; p < sums_.size(); ++p) solve_gauge(p, sums_[p]);
+    }
+  } else {
+    kernels_.move(data_, plan, nullptr, nullptr);
+  }
+  std::fill(change_.begin(), change_.end(), 0.0);
+  kernels_.commit(data_, plan, air_, change_.data());
+  for (std::size_t p = 0; p < change_.size(); ++p) volumes_[p] += change_[p];
+  for (const Hand& hand : hands_) {
+    if (!hand.limited || hand.colour != colour) continue;
+    solve_alone(hand.slot, &hand, in_->contacts.empty() ? nullptr : &in_->contacts[hand.point]);
+  }
+  for (const Wedge& wedge : wedges_) {
+    if (wedge.colour == colour) solve_alone(wedge.slot, nullptr, &in_->contacts[wedge.point]);
+  }
+}
+
+template <class T>
+void SweepStepper<T>::sweep() {
+  const int count = static_cast<int>(in_->layout.colours.size());
+  for (int colour = 0; colour < count; ++colour) sweep_colour(colour);
+  ++profile.sweeps;
+}
+
+template <class T>
+void SweepStepper<T>::finish() {
+  using A = SweepArrays<T>;
+  const T inverse = static_cast<T>(1 / h_);
+  for (int k = 0; k < 3; ++k) {
+    const T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k);
+    T* w = arrays_.field(A::kW + k);
+    for (long i = 0; i < arrays_.slots; ++i) w[i] = (x[i] - s[i]) * inverse;
+  }
+}
+
+// Forces of this small step, and their mean since the frame began.
+template <class T>
+void SweepStepper<T>::report() {
+  using A = SweepArrays<T>;
+  const T share = static_cast<T>(h_ / (time_ + h_));
+  for (int k = 0; k < 3 && has_planes_; ++k) {
+    const T* c = arrays_.field(A::kC + k);
+    T* mean = arrays_.field(A::kM + k);
+    for (long i = 0; i < arrays_.slots; ++i) mean[i] += share * (c[i] - mean[i]);
+  }
+  for (Hand& hand : hands_) hand.impulse = h_ * (gradient(hand.slot, true) - vector_at(A::kC, hand.slot));
+}
+
+template <class T>
+void SweepStepper<T>::substep() {
+  load_inputs();
+  load_hands();
+  predict();
+  for (const ColourPlan& plan : in_->layout.colours) {
+    kernels_.measure_dampers(data_, plan, arrays_.springs.get());
+  }
+  begin_air();
+  for (int i = 0; i < in_->settings.sweeps; ++i) sweep();
+  finish();
+  report();
+  for (std::size_t p = 0; p < pocket_states_.size(); ++p) pocket_states_[p] = {volumes_[p], gauges_[p]};
+  time_ += h_;
+  ++profile.substeps;
+}
+
+template <class T>
+void SweepStepper<T>::end_frame() {
+  for (Hand& hand : hands_) {
+    hand.from = hand.limited ? Vec3(local(hand.slot) + origin_) : hand.to;
+    hand.from_velocity = hand.limited ? vector_at(SweepArrays<T>::kW, hand.slot) : hand.to_velocity;
+  }
+}
+
+std::unique_ptr<ClothStepper> make_stepper(std::shared_ptr<ClothInputs> inputs) {
+  if (inputs->settings.precision == Precision::kDouble) {
+    return std::make_unique<SweepStepper<double>>(std::move(inputs));
+  }
+  return std::make_unique<SweepStepper<float>>(std::move(inputs));
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::cloth

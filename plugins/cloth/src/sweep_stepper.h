@@ -1,0 +1,128 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "cloth_stepper.h"
+#include "sweep_arrays.h"
+#include "sweep_kernels.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::cloth {
+
+// The solver of doc/solver.md with numbers of type T (air's bookkeeping in double). Positions are kept
+// relative to an origin near the cloth.
+template <class T>
+class SweepStepper final : public ClothStepper {
+ public:
+  explicit SweepStepper(std::shared_ptr<ClothInputs> inputs);
+
+  void set_positions(std::span<const Vec3> positions) override;
+  void set_velocities(std::span<const Vec3> velocities) override;
+  void masses_changed() override { masses_dirty_ = true; }
+  void forces_changed() override { forces_dirty_ = true; }
+  void stiffness_changed() override { springs_dirty_ = true; }
+  void contacts_changed() override { contacts_dirty_ = true, contacts_time_ = time_; }
+  void hands_changed() override;
+  void air_changed() override { air_dirty_ = true; }
+
+  int begin_frame(double dt) override;
+  void substep() override;
+  void end_frame() override;
+
+  Vec3 position(int point) const override;
+  Vec3 velocity(int point) const override;
+  Vec3 contact_force(int point) const override;
+  Vec3 mean_contact_force(int point) const override;
+  bool touching(int point) const override;
+  Vec3 hand_force(int hand) const override;
+  Vec3 hand_impulse(int hand) const override;
+  double kinetic_energy() const override;
+  double potential_energy() const override;
+  std::span<const PocketState> pockets() const override { return pocket_states_; }
+
+ private:
+  struct Hand {
+    int point = -1;
+    int slot = -1;
+    int colour = -1;
+    bool limited = false;
+    double max_force = 0;
+    Vec3 from = Vec3::Zero(), from_velocity = Vec3::Zero();  // world, at the start of the frame
+    Vec3 to = Vec3::Zero(), to_velocity = Vec3::Zero();      // world, at its end
+    Vec3 impulse = Vec3::Zero();                             // N s, of the last small step
+    Vec3 at = Vec3::Zero();                                  // local, at the end of the small step
+  };
+  // A point with two planes: solved by itself.
+  struct Wedge {
+    int point, slot, colour;
+  };
+  struct RimEdge {
+    int a, b, pocket;  // points; runs along the face
+  };
+  // A face at a point whose other faces belong to another pocket.
+  struct StrayFace {
+    int slot, j, k, pocket;  // slots
+    bool counts;             // in the volume
+  };
+
+  // stepper_inputs-inl.h
+  void load_inputs();
+  void load_masses();
+  void load_forces();
+  void load_springs();
+  void load_contacts();
+  void load_hands();
+  void move_origin(const Vec3& origin);
+  Vec3 local(int slot) const;
+  Vec3 vector_at(int field, int slot) const;
+  void set_vector(int field, int slot, const Vec3& v);
+
+  // stepper_air-inl.h
+  void load_air();
+  void find_neighbour_faces();
+  void begin_air();
+  void add_rims();
+  void measure_volumes();
+  void solve_gauge(std::size_t pocket, const PocketSums& sums);
+  double air_energy() const;
+
+  // stepper_report-inl.h
+  Vec3 gradient(int slot, bool dynamic) const;
+
+  // sweep_stepper.cpp and stepper_alone-inl.h
+  void predict();
+  void sweep();
+  void sweep_colour(int colour);
+  void solve_alone(int slot, const Hand* hand, const PointContacts* planes);
+  Vec3 stick_or_slide(const ContactPlane& plane, int slot, const Vec3& dx, const Mat3& h, Vec3& force,
+                      T& state) const;
+  void finish();
+  void report();
+
+  int colour_of(int slot) const;
+  bool held(int slot) const;
+
+  const SweepKernels<T>& kernels_;
+  SweepArrays<T> arrays_;
+  SweepData<T> data_;
+  Vec3 origin_ = Vec3::Zero();
+  double dt_ = 0, h_ = 0, time_ = 0;  // of the frame, of a small step, since the frame began
+  double contacts_time_ = 0;          // when the contacts were set
+  double springs_h_ = 0;              // what the dampers are made for
+  bool masses_dirty_ = true, forces_dirty_ = true, springs_dirty_ = true, contacts_dirty_ = true,
+       air_dirty_ = true;
+  bool has_planes_ = false, planes_move_ = false;
+  std::vector<Hand> hands_;
+  std::vector<Wedge> wedges_;
+
+  bool air_ = false;  // some pocket has a pressure
+  std::vector<PocketState> pocket_states_;
+  std::vector<double> gauges_, volumes_, change_;
+  std::vector<PocketSums> sums_;
+  std::vector<RimEdge> rim_edges_;
+  std::vector<StrayFace> strays_;
+  std::vector<int> rim_slots_;
+  std::vector<std::array<int, 3>> across_;  // per face and corner k: the face over the edge k, k + 1, or -1
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::cloth
