@@ -35,6 +35,10 @@ struct ClothHand {
   Vec3 target = Vec3::Zero();    // m, at the end of the frame; the way there is a cubic from where it is
   Vec3 velocity = Vec3::Zero();  // m/s, at the end of the frame
   double max_force = std::numeric_limits<double>::infinity();  // N
+  // Where the way begins; otherwise where the hand was at the end of the last frame.
+  bool starts = false;
+  Vec3 start = Vec3::Zero();           // m
+  Vec3 start_velocity = Vec3::Zero();  // m/s
 };
 
 // What a pocket is at the end of a small step.

@@ -75,6 +75,10 @@ void SweepStepper<T>::hands_changed() {
     have[i].to_velocity = wanted[i].velocity;
     have[i].max_force = wanted[i].max_force;
     have[i].limited = std::isfinite(wanted[i].max_force);
+    if (wanted[i].starts) {
+      have[i].from = wanted[i].start;
+      have[i].from_velocity = wanted[i].start_velocity;
+    }
   }
 }
 

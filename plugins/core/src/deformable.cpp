@@ -189,6 +189,15 @@ void Deformable::mirror(double dt) {
   m_bounds[1] = to_bullet(middle + permitted);
 }
 
+void Deformable::change_masses(std::span<const double> masses) {
+  total_mass_ = 0;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    masses_[i] = masses[i];
+    total_mass_ += masses[i];
+    m_nodes[static_cast<int>(i)].m_im = btScalar(1.0 / masses[i]);
+  }
+}
+
 void Deformable::take_impulses() {
   if (impulses_queued_) {
     for (std::size_t v = 0; v < velocities_.size(); ++v) {

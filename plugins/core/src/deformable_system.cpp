@@ -82,6 +82,7 @@ void DeformableSystem::Impl::forget(const Deformable& body) {
   contacts_.erase_if(of_body);
   std::erase_if(resting_contacts_, [&](const RestingContact& r) { return of_body(r.contact); });
   std::erase_if(own_loads_, of_body);
+  std::erase_if(mesh_sides_, [&](const MeshSides& sides) { return sides.body == &body; });
   patches_.forget_body(gone);
   for (std::vector<Handle>* list : {&handles, &resting_handles_}) {
     std::erase_if(*list, [&](const Handle& h) {

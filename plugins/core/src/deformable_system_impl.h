@@ -2,6 +2,8 @@
 
 #include <BulletDynamics/Dynamics/btActionInterface.h>
 
+#include <deque>
+
 #include "contact_finder.h"
 #include "contact_solver.h"
 #include "mesh_patches.h"
@@ -136,6 +138,7 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   void carry_own_load(OwnLoad& load, double dt);
   void see_colliders(int body, double dt);
   void hold_points(int body, double dt);
+  std::span<signed char> sides_of_mesh(int body, const btCollisionObject* object, int child);
   void keep_own_load(int body, double dt);
   void archive_own_loads(StateArchive& archive, int body);
   void forget_impulses(int body);
@@ -162,6 +165,14 @@ struct __attribute__((visibility("hidden"))) DeformableSystem::Impl final : Pair
   std::vector<OwnLoad> own_loads_;
   NearColliders near_{std::make_unique<NearColliders::Impl>()};
   std::vector<HeldPoint> held_;
+  struct MeshSides {
+    const Deformable* body = nullptr;
+    const btCollisionObject* object = nullptr;
+    int child = 0;
+    long long substep = 0;  // of the last use
+    std::vector<signed char> of_points;
+  };
+  std::deque<MeshSides> mesh_sides_;
   std::vector<NearColliders::Impl::LastVelocity> last_velocities_;
   std::vector<SkinPair> skin_pairs_;
   std::vector<Bounds> step_bounds_;     // of each body from start to free end, with some margin

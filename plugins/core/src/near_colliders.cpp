@@ -83,12 +83,14 @@ int NearColliders::Impl::body(int index, double friction) {
   return static_cast<int>(bodies.size()) - 1;
 }
 
-void NearColliders::Impl::add_part(int collider, int child, const ColliderShape& shape, const Pose& local) {
+void NearColliders::Impl::add_part(int collider, int child, const ColliderShape& shape, const Pose& local,
+                                   std::span<signed char> sides) {
   Part part;
   part.seen = {collider, child, shape.kind == ColliderShape::Kind::plane,
                shape.kind == ColliderShape::Kind::mesh, shape.thinnest};
   part.shape = &shape;
   part.local = local;
+  part.sides = sides;
   parts.push_back(part);
 }
 
@@ -196,6 +198,8 @@ bool NearColliders::nearest(int piece, const Vec3& point, double reach, signed c
   surface.normal = pose.rotation * surface.normal;
   return true;
 }
+
+std::span<signed char> NearColliders::sides(int piece) const { return impl_->parts[at(piece)].sides; }
 
 void NearColliders::candidates(int piece, std::span<const Vec3> points, double reach,
                                std::vector<int>& out) const {

@@ -28,12 +28,14 @@ struct __attribute__((visibility("hidden"))) NearColliders::Impl {
     Piece seen;
     const ColliderShape* shape = nullptr;
     Pose local;
+    std::span<signed char> sides;
   };
 
   void clear(RigidStates& states, SupportContacts& contacts, double dt);
   // Index of the collider with this rigid state, added when new.
   int body(int rigid, double friction);
-  void add_part(int collider, int child, const ColliderShape& shape, const Pose& local);
+  void add_part(int collider, int child, const ColliderShape& shape, const Pose& local,
+                std::span<signed char> sides);
   // Gives the colliders the velocity that puts them where they have come to, and keeps that which they have
   // now in `last`.
   struct LastVelocity {

@@ -64,8 +64,10 @@ void DeformableSystem::Impl::see_colliders(int body, double dt) {
       const btCollisionObject* object = rigid_[placed.instance.rigid].object;
       const double friction =
           gCalculateCombinedFrictionCallback(bodies[static_cast<std::size_t>(body)], object);
+      const bool mesh = placed.instance.collider->kind == ColliderShape::Kind::mesh;
       near.add_part(near.body(placed.instance.rigid, friction), placed.instance.child,
-                    *placed.instance.collider, placed.instance.local);
+                    *placed.instance.collider, placed.instance.local,
+                    mesh ? sides_of_mesh(body, object, placed.instance.child) : std::span<signed char>());
     }
   }
   // What it no longer touches takes its load back too.
@@ -75,6 +77,22 @@ void DeformableSystem::Impl::see_colliders(int body, double dt) {
       near.bodies[static_cast<std::size_t>(collider)].carried = load.wrench;
     }
   }
+}
+
+// On which side of a mesh the points were; what was not near in the last step is forgotten.
+std::span<signed char> DeformableSystem::Impl::sides_of_mesh(int body, const btCollisionObject* object,
+                                                             int child) {
+  const Deformable* owner = bodies[static_cast<std::size_t>(body)];
+  const long long now = profile.totals.substeps;
+  const auto known = std::find_if(mesh_sides_.begin(), mesh_sides_.end(), [&](const MeshSides& sides) {
+    return sides.body == owner && sides.object == object && sides.child == child;
+  });
+  MeshSides& sides = known != mesh_sides_.end() ? *known : mesh_sides_.emplace_back();
+  if (known == mesh_sides_.end() || sides.substep < now - 1) {
+    sides = {owner, object, child, now, std::vector<signed char>(owner->positions_.size(), 0)};
+  }
+  sides.substep = now;
+  return sides.of_points;
 }
 
 void DeformableSystem::Impl::hold_points(int body, double dt) {

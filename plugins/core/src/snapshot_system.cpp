@@ -206,6 +206,7 @@ void DeformableSystem::Impl::drop_vanished() {
 }
 
 void DeformableSystem::Impl::forget_meshes() {
+  mesh_sides_.clear();
   for (ContactFinder& finder : finders_) {
     finder.forget_meshes();
   }

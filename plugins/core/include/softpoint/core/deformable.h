@@ -105,6 +105,9 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // Called when the guard has put positions_ back and zeroed velocities_.
   virtual void restored() {}
 
+  // New masses (kg > 0), one per point; nothing else of the body changes.
+  void change_masses(std::span<const double> masses);
+
   std::vector<Vec3> positions_;       // m, world
   std::vector<Vec3> velocities_;      // m/s
   std::vector<Vec3> end_positions_;   // m, at the end of the step as known so far

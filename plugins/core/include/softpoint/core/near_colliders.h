@@ -74,6 +74,8 @@ class SOFTPOINT_API NearColliders {
   // `reach` (m, on both sides of a mesh, outside of everything else). Of a mesh, `side` tells on which side
   // of it the point belongs, 1 front, -1 back; 0 is replaced by the side on which it lies.
   bool nearest(int piece, const Vec3& point, double reach, signed char& side, NearSurface& surface) const;
+  // Of a mesh: room for the side of each point, kept from step to step while the mesh stays near; else empty.
+  std::span<signed char> sides(int piece) const;
   // Indices (ascending) of the points that may be within `reach` of a piece: a box test.
   void candidates(int piece, std::span<const Vec3> points, double reach, std::vector<int>& out) const;
   // Plane normal . x = offset of a piece that is one.

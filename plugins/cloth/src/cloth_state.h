@@ -1,0 +1,75 @@
+#pragma once
+
+#include <vector>
+
+#include "bubble_finder.h"
+#include "cloth_solver.h"
+#include "collider_coupling.h"
+#include "contact_gatherer.h"
+#include "self_contact.h"
+#include "softpoint/cloth/cloth.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::cloth {
+
+// What a cloth is made of and what it goes on from; the stages of its step (cloth_step.cpp).
+struct __attribute__((visibility("hidden"))) Cloth::State {
+  explicit State(const ClothDesign& made);
+
+  ClothDesign design;
+  ClothPattern wet;  // with the masses and stiffnesses of the present saturation
+  Vec3 wind = Vec3::Zero();
+  ClothSolver solver;
+  BubbleFinder finder;
+  ContactGatherer gatherer;
+  SelfContactPass self;
+  ColliderCoupling coupling;
+  ClothProfile profile;
+
+  void take_saturation();
+  bool airy() const;  // some of it can hold air
+
+  // The stages of a step.
+  void gather(const NearColliders& near, double dt, const Vec3& acceleration);
+  bool find_bubbles();
+  void place_hands(double rest, NearColliders& near, std::span<HeldPoint> held);
+  ClothHand hand_for(const HeldPoint& held, double rest, const NearColliders& near) const;
+  void follow(NearColliders& near, double rest, std::span<HeldPoint> held);
+  void press_feet(NearColliders& near, double time, bool movable);
+  void couple(double h, NearColliders& near, std::span<HeldPoint> held);
+  void begin_self(std::span<const HeldPoint> held);
+  void meet_self();
+  void end_air(double dt, NearColliders& near);
+  void read(double dt, NearColliders& near, std::span<HeldPoint> held);
+
+  // The step at work, world frame.
+  std::vector<Vec3> positions, velocities, before;
+  std::vector<Vec3> local_positions, local_feet;  // about `air_origin`, for the air
+  std::vector<double> friction_factor;
+  std::vector<double> inverse_masses;  // 1/kg; 0 where held
+  bool self_near = false;              // cloth may meet cloth in this frame
+  Vec3 air_origin = Vec3::Zero();
+  bool air_on = false;
+  double dt = 0;
+  std::vector<double> volumes, gauges;
+  std::vector<Vec3> foot_forces;
+  std::vector<ClothHand> hands;
+  struct HandOf {  // a held point, and the hand that holds it with others
+    int hand = -1;
+    double share = 0;
+  };
+  std::vector<HandOf> hand_of;
+
+  // Where the targets of handles were, so that hands move at their own speed.
+  struct LastTarget {
+    long long handle = 0;
+    Vec3 target = Vec3::Zero();
+    Vec3 velocity = Vec3::Zero();  // m/s, at the end of the last step
+  };
+  std::vector<LastTarget> last_targets, next_targets;
+
+  std::vector<Vec3> contact_forces;
+  std::vector<BubbleState> bubbles;
+  std::vector<double> point_areas;  // m2
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::cloth

@@ -1,0 +1,148 @@
+// Cloth as a body of a Bullet world: contact, hands, sleep, snapshots, refusals.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "cloth_scene.h"
+#include "support/refusal.h"
+
+namespace softpoint::cloth {
+namespace {
+
+TEST(ClothBody, LiesOnAFloorWithItsWeight) {
+  OverFloor scene;
+  scene.world.step(30);
+  const double weight = scene.cloth.total_mass() * 9.81;
+  EXPECT_NEAR(sum(scene.cloth.contact_forces()).y(), weight, 0.01 * weight);
+  EXPECT_NEAR(lowest(scene.cloth), 0.5 * scene.cloth.fabric().thickness, 1e-6);
+  EXPECT_LT(scene.cloth.stretch().largest, 1e-4);
+  EXPECT_EQ(scene.cloth.guard_fired(), 0);
+  // Core tells of it as of one force.
+  ASSERT_EQ(scene.system.contacts().size(), 1u);
+  EXPECT_EQ(scene.system.contacts()[0].other, &scene.floor);
+  EXPECT_NEAR(scene.system.contacts()[0].force.y(), weight, 0.01 * weight);
+  EXPECT_NEAR(scene.cloth.contact_area(), 0.09, 1e-6);
+}
+
+TEST(ClothBody, DryClothPaysNothingForAirAndFlatClothNothingForItself) {
+  OverFloor scene;
+  scene.world.step(5);
+  for (int i = 0; i < 20; ++i) {
+    scene.world.step();
+    EXPECT_TRUE(scene.cloth.profile().counts.air_skipped);
+    EXPECT_TRUE(scene.cloth.profile().counts.self_skipped);
+    EXPECT_EQ(scene.cloth.profile().counts.pockets, 0);
+  }
+}
+
+TEST(ClothBody, HandsHoldDragReleaseAndAreRead) {
+  OverFloor scene(sheet(), 0.5);
+  const int corner = 0, other = 14;
+  const Vec3 a = scene.cloth.points()[corner], b = scene.cloth.points()[other];
+  const HandleId pin = scene.system.grab(scene.cloth, corner, a);
+  const HandleId hand = scene.system.grab(scene.cloth, other, b);
+  scene.world.step(60);
+  EXPECT_GT(scene.system.handle_force(pin).y() + scene.system.handle_force(hand).y(), 0.0);
+  EXPECT_LT((scene.cloth.points()[corner] - a).norm(), 1e-6);
+  for (int i = 1; i <= 30; ++i) {
+    scene.system.move(hand, b + Vec3(0, 0.005 * i, 0));
+    scene.world.step();
+    EXPECT_LT((scene.cloth.points()[other] - b - Vec3(0, 0.005 * i, 0)).norm(), 1e-6) << i;
+  }
+  scene.system.release(hand);
+  scene.world.step(20);
+  EXPECT_GT((scene.cloth.points()[other] - b - Vec3(0, 0.15, 0)).norm(), 0.01);  // it is free
+  EXPECT_LT((scene.cloth.points()[corner] - a).norm(), 1e-6);
+}
+
+TEST(ClothBody, SleepsCostsNothingAndWakes) {
+  OverFloor scene;
+  for (int i = 0; i < 300 && !scene.cloth.asleep(); ++i) {
+    scene.world.step();
+  }
+  ASSERT_TRUE(scene.cloth.asleep());
+  const int substeps = scene.cloth.profile().counts.substeps;
+  EXPECT_GT(substeps, 0);
+  const auto wakes = [&](auto&& rouse) {
+    rouse();
+    scene.world.step(2);
+    const bool awake = !scene.cloth.asleep();
+    for (int i = 0; i < 300 && !scene.cloth.asleep(); ++i) {
+      scene.world.step();
+    }
+    EXPECT_TRUE(scene.cloth.asleep());
+    return awake;
+  };
+  EXPECT_TRUE(wakes([&] { scene.cloth.set_wind(Vec3(0.01, 0, 0)); }));
+  EXPECT_TRUE(wakes([&] { scene.cloth.set_self_contact({true, 0.2}); }));
+  EXPECT_TRUE(wakes([&] { scene.cloth.set_settings(settings_of(Dial::kFast)); }));
+  HandleId hand = 0;
+  EXPECT_TRUE(wakes([&] { hand = scene.system.grab(scene.cloth, 7, scene.cloth.points()[7]); }));
+  EXPECT_TRUE(wakes([&] { scene.system.move(hand, scene.cloth.points()[7] + Vec3(0, 0.01, 0)); }));
+  EXPECT_TRUE(wakes([&] { scene.system.release(hand); }));
+}
+
+TEST(ClothBody, ASnapshotGoesOnWithTheSameBits) {
+  OverFloor scene(sheet(), 0.1);
+  const HandleId hand = scene.system.grab(scene.cloth, 7, scene.cloth.points()[7], 5.0);
+  scene.world.step(20);
+  const auto run = [&] {
+    std::vector<Vec3> all;
+    for (int i = 0; i < 40; ++i) {
+      scene.system.move(hand, Vec3(0, 0.1 + 0.002 * i, 0.15));
+      scene.world.step();
+      all.insert(all.end(), scene.cloth.points().begin(), scene.cloth.points().end());
+    }
+    return all;
+  };
+  const Snapshot snapshot = scene.system.save();
+  const std::vector<Vec3> first = run();
+  scene.system.restore(snapshot);
+  EXPECT_EQ(run(), first);
+}
+
+TEST(ClothBody, RefusesWhatItCannotBe) {
+  ClothDesign design = sheet();
+  const auto make = [&] { Cloth cloth(design); };
+  design.saturation.assign(3, 0.5);
+  expect_refusal(make, {"saturation", "3", "225"});
+  design.saturation.assign(225, 0.5);
+  design.saturation[7] = 1.5;
+  expect_refusal(make, {"saturation of point 7", "1.5"});
+  design.saturation.clear();
+  design.start.assign(2, Vec3::Zero());
+  expect_refusal(make, {"start", "2", "225"});
+  design.start.clear();
+  design.self_contact.friction = -1;
+  expect_refusal(make, {"self_contact.friction", "-1"});
+  design.self_contact.friction = 0.3;
+  EXPECT_THROW(Cloth(design, Vec3(1e9, 0, 0)), Error);
+  EXPECT_THROW(Cloth(design, Vec3::Zero(), 2.0 * Mat3::Identity()), Error);
+
+  OverFloor scene;
+  scene.cloth.set_wind(Vec3(1, 2, 3));
+  expect_refusal([&] { scene.cloth.set_wind(Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0)); },
+                 {"set_wind", "nan"});
+  EXPECT_EQ(scene.cloth.wind(), Vec3(1, 2, 3));
+  std::vector<double> saturation(225, 0.25);
+  scene.cloth.set_saturation(saturation);
+  const double mass = scene.cloth.total_mass();
+  saturation[3] = -0.1;
+  expect_refusal([&] { scene.cloth.set_saturation(saturation); }, {"saturation of point 3", "-0.1"});
+  EXPECT_EQ(scene.cloth.saturation()[3], 0.25);
+  EXPECT_EQ(scene.cloth.total_mass(), mass);
+  expect_refusal([&] { scene.cloth.set_self_contact({true, 1e6}); }, {"self_contact.friction"});
+  EXPECT_EQ(scene.cloth.self_contact().friction, SelfContact().friction);
+  EXPECT_THROW(scene.cloth.set_velocity(Vec3(1e9, 0, 0)), Error);
+}
+
+TEST(ClothBody, WaterMakesItHeavier) {
+  OverFloor scene;
+  const double dry = scene.cloth.total_mass();
+  scene.cloth.set_saturation(std::vector<double>(225, 1.0));
+  EXPECT_NEAR(scene.cloth.total_mass(), dry * (1.0 + scene.cloth.wetness().capacity), 1e-12);
+  EXPECT_NEAR(double(scene.cloth.m_nodes[5].m_im) * scene.cloth.masses()[5], 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace softpoint::cloth
