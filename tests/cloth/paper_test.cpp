@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <cstdlib>
 #include <optional>
 
@@ -82,6 +84,31 @@ TEST(Paper, InstructionSetsAgree) {
   before ? setenv("SOFTPOINT_MAX_ISA", before->c_str(), 1) : unsetenv("SOFTPOINT_MAX_ISA");
   EXPECT_LT(farthest(cloths[0], cloths[1]), 1e-10);
   EXPECT_LT(farthest(cloths[0], cloths[2]), 1e-10);
+}
+
+// The same over a plane that lies anywhere.
+TEST(Paper, PlanesAreAllAlike) {
+  const PaperSettings settings =
+      variant(true, Precision::kDouble, PaperPressure::kVolumeGradient, PaperFriction::kImpulse, 1e-6);
+  PaperCloth level = bumpy(settings), turned = bumpy(settings);
+  const Mat3 turn = Eigen::AngleAxisd(2.1, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  const Vec3 foot(3, -1, 2);
+  std::vector<Vec3> x = turned.positions(), v = turned.velocities();
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = turn * x[i] + foot, v[i] = turn * v[i];
+  turned.set_plane(turn * Vec3::UnitZ(), foot);
+  turned.set_state(x, v);
+  turned.set_gravity(turn * Vec3(0, 0, -9.8));
+  const Vec3 lift = x[60] + turn * Vec3(0.001, 0, 0.004);
+  turned.set_hands(std::vector<PaperHand>{{60, lift, turn * Vec3(0, 0, 1)}});
+  level.step(1e-3);
+  turned.step(1e-3);
+  double most = 0;
+  for (int i = 0; i < level.point_count(); ++i) {
+    most = std::max(most, (turn * level.positions()[i] + foot - turned.positions()[i]).norm());
+  }
+  EXPECT_LT(most, 1e-8);
+  EXPECT_NEAR(level.volume(), turned.volume(), 1e-6 * level.volume());
+  EXPECT_LT((turn * level.hand_force(60) - turned.hand_force(60)).norm(), 1e-4 * level.hand_force(60).norm());
 }
 
 // As printed, (3.7) presses flat cloth under suction down, never up.

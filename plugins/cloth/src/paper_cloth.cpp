@@ -58,8 +58,17 @@ void PaperCloth::set_state(std::span<const Vec3> positions, std::span<const Vec3
   for (int i = 0; i < point_count(); ++i) {
     positions_[i] = positions[i];
     velocities_[i] = velocities[i];
-    stepper_->set_point(i, positions[i], velocities[i]);
+    stepper_->set_point(i, into(positions[i]), axes_ * velocities[i]);
   }
+}
+
+void PaperCloth::set_plane(const Vec3& normal, const Vec3& foot) {
+  if (axes_.row(2).transpose() == normal && origin_ == foot) return;
+  axes_ = Eigen::Quaterniond::FromTwoVectors(normal, Vec3::UnitZ()).toRotationMatrix();
+  axes_.row(2) = normal.transpose();
+  origin_ = foot;
+  const std::vector<Vec3> positions = positions_, velocities = velocities_;
+  set_state(positions, velocities);
 }
 
 double PaperCloth::gauge_of(double volume) const {
@@ -71,7 +80,8 @@ double PaperCloth::gauge_of(double volume) const {
 void PaperCloth::guide(double from, double to, double dt) {
   for (std::size_t k = 0; k < hands_.size(); ++k) {
     const PaperHand& hand = hands_[k];
-    const Vec3 goal = cubic(starts_[k], start_velocities_[k], hand.target, hand.velocity, dt, to);
+    const Vec3 goal =
+        cubic(starts_[k], start_velocities_[k], into(hand.target), axes_ * hand.velocity, dt, to);
     stepper_->set_velocity(hand.point, (goal - stepper_->position(hand.point)) / ((to - from) * dt));
   }
 }
@@ -85,16 +95,17 @@ int PaperCloth::step(double dt) {
     starts_[k] = stepper_->position(hands_[k].point);
     start_velocities_[k] = stepper_->velocity(hands_[k].point);
   }
+  const Vec3 gravity = axes_ * gravity_;
   for (int i = 0; i < steps; ++i) {
     const double gauge = gauge_of(stepper_->forces());
-    stepper_->accelerate(h, gauge, gravity_);
+    stepper_->accelerate(h, gauge, gravity);
     stepper_->collide(h);
     guide(static_cast<double>(i) / steps, (i + 1.0) / steps, dt);
-    stepper_->move(h, gauge, gravity_, friction_);
+    stepper_->move(h, gauge, gravity, friction_);
   }
   for (int i = 0; i < point_count(); ++i) {
-    positions_[i] = stepper_->position(i);
-    velocities_[i] = stepper_->velocity(i);
+    positions_[i] = axes_.transpose() * stepper_->position(i) + origin_;
+    velocities_[i] = axes_.transpose() * stepper_->velocity(i);
   }
   return steps;
 }
@@ -102,7 +113,7 @@ int PaperCloth::step(double dt) {
 double PaperCloth::volume() const {
   double volume = 0;
   for (const Triangle& t : pattern_.faces) {
-    const Vec3 &a = positions_[t[0]], &b = positions_[t[1]], &c = positions_[t[2]];
+    const Vec3 a = into(positions_[t[0]]), b = into(positions_[t[1]]), c = into(positions_[t[2]]);
     volume += (b - a).cross(c - a).z() * (a.z() + b.z() + c.z()) / 6;
   }
   return volume;
@@ -123,12 +134,13 @@ Vec3 PaperCloth::hand_force(int point) const {
   for (const Triangle& t : pattern_.faces) {
     for (int k = 0; k < 3; ++k) {
       if (t[k] != point) continue;
-      const Vec3 &a = positions_[t[k]], &b = positions_[t[(k + 1) % 3]], &c = positions_[t[(k + 2) % 3]];
+      const Vec3 a = into(positions_[t[k]]), b = into(positions_[t[(k + 1) % 3]]),
+                 c = into(positions_[t[(k + 2) % 3]]);
       const double height = (a.z() + b.z() + c.z()) / 6;
       area += Vec3(height * (b.y() - c.y()), height * (c.x() - b.x()), (b - a).cross(c - a).z() / 6);
     }
   }
-  return -(force + gauge() * area);
+  return -(force + gauge() * (axes_.transpose() * area));
 }
 
 double PaperCloth::kinetic_energy() const {

@@ -15,7 +15,7 @@ struct PaperHand {
   Vec3 velocity = Vec3::Zero();  // m/s, at the end of the frame
 };
 
-// The `paper` mode: a grid over the plane z = 0 with one bubble under it. SI.
+// The `paper` mode: a grid over one plane, z = 0 unless told, with one bubble under it. SI.
 class PaperCloth {
  public:
   // Flat in the pattern's place, at rest. Throws Error when the pattern is no grid with equal springs a
@@ -26,6 +26,8 @@ class PaperCloth {
   const ClothPattern& pattern() const { return pattern_; }
   const PaperSettings& settings() const { return settings_; }
   void set_state(std::span<const Vec3> positions, std::span<const Vec3> velocities);
+  // The plane through `foot` with unit `normal`, the cloth above it.
+  void set_plane(const Vec3& normal, const Vec3& foot);
   void set_gravity(const Vec3& gravity) { gravity_ = gravity; }
   void set_friction(double friction) { friction_ = friction; }
   void set_hands(std::span<const PaperHand> hands) { hands_.assign(hands.begin(), hands.end()); }
@@ -50,6 +52,7 @@ class PaperCloth {
 
  private:
   void guide(double from, double to, double dt);
+  Vec3 into(const Vec3& position) const { return axes_ * (position - origin_); }
   double gauge_of(double volume) const;
 
   ClothPattern pattern_;
@@ -59,6 +62,8 @@ class PaperCloth {
   std::vector<Vec3> positions_, velocities_;
   std::vector<PaperHand> hands_;
   std::vector<Vec3> starts_, start_velocities_;
+  Mat3 axes_ = Mat3::Identity();  // rows: two directions along the plane and its normal
+  Vec3 origin_ = Vec3::Zero();    // on the plane
   Vec3 gravity_{0, 0, -9.8};
   double friction_ = 0.4, air_ = 0, ambient_ = 101325;
   bool air_on_ = true;

@@ -193,7 +193,8 @@ SOFTPOINT_PAPER_INLINE void row_cells(const PaperGrid<T>& g, std::ptrdiff_t begi
 }
 
 template <class T>
-double forces(const PaperGrid<T>& g) {
+double forces(const PaperGrid<T>& grid) {
+  const PaperGrid<T> g = grid;  // of which no store can be suspected to change the pointers
   constexpr int kFamilies = PaperGrid<T>::kFamilies, kArrays = PaperGrid<T>::kRowArrays;
   constexpr std::ptrdiff_t kLead = 16;  // zeros before each row: its left ghosts
   const std::ptrdiff_t s = g.stride, width = s + PaperGrid<T>::kPadding;
@@ -247,7 +248,9 @@ SOFTPOINT_PAPER_INLINE std::ptrdiff_t last(const PaperGrid<T>& g) {
 }
 
 template <class T>
-void accelerate(const PaperGrid<T>& g, const PaperStep<T>& step) {
+void accelerate(const PaperGrid<T>& grid, const PaperStep<T>& given) {
+  const PaperGrid<T> g = grid;
+  const PaperStep<T> step = given;
   const T kept = 1 - step.h * step.drag_rate;
   for (std::ptrdiff_t i = g.first; i < last(g); i += Lanes<T>::count) {
     const Pack<T> per_mass = step.h * load(g.inverse_mass + i), real = load(g.real + i);
@@ -260,7 +263,9 @@ void accelerate(const PaperGrid<T>& g, const PaperStep<T>& step) {
 }
 
 template <class T>
-void move(const PaperGrid<T>& g, const PaperStep<T>& step) {
+void move(const PaperGrid<T>& grid, const PaperStep<T>& given) {
+  const PaperGrid<T> g = grid;
+  const PaperStep<T> step = given;
   const Pack<T> zero = {}, one = zero + 1;
   const T rate = 1 / step.h;
   for (std::ptrdiff_t i = g.first; i < last(g); i += Lanes<T>::count) {

@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include "support/precision.h"
+#include "support/solver_sheet.h"
+
+// The solver beside the fine-step runs of tests/cloth/data.
+namespace softpoint::cloth {
+namespace {
+
+ClothErrors errors_of(const LiftTask& task, Dial dial) {
+  const ClothRun reference = read_cloth_run(std::string(SOFTPOINT_CLOTH_DATA "/") + task.name + ".csv");
+  const ClothRun run = solver_lift(task, settings_of(dial));
+  EXPECT_EQ(run.size(), reference.size());
+  const ClothErrors errors = compare(run, reference);
+  std::printf("%s: force %.4f N, pressure %.2f Pa, volume %.4f cm3, p99 of stretch %.3f, largest %.4f\n",
+              task.name.c_str(), errors.force, errors.pressure, 1e6 * errors.volume, errors.p99_stretch,
+              errors.max_stretch);
+  return errors;
+}
+
+TEST(ReferenceLift, DISABLED_CentreByTheDefaultDial) {
+  const ClothErrors errors = errors_of(centre_lift(), Dial::kDefault);
+  EXPECT_LT(errors.force, 0.1);
+  EXPECT_LT(errors.pressure, 50);
+  EXPECT_LT(errors.volume, 0.5e-6);
+  EXPECT_LT(errors.p99_stretch, 0.2);
+  EXPECT_LT(errors.max_stretch, 0.015);
+}
+
+TEST(ReferenceLift, DISABLED_TwoPointsByTheDefaultDial) {
+  const ClothErrors errors = errors_of(two_point_lift(), Dial::kDefault);
+  EXPECT_LT(errors.force, 0.1);
+  EXPECT_LT(errors.pressure, 50);
+  EXPECT_LT(errors.volume, 0.5e-6);
+  EXPECT_LT(errors.p99_stretch, 0.2);
+  EXPECT_LT(errors.max_stretch, 0.015);
+}
+
+TEST(ReferenceLift, DISABLED_CentreByTheExactDial) {
+  if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
+  const ClothErrors errors = errors_of(centre_lift(), Dial::kExact);
+  EXPECT_LT(errors.force, 0.03);
+  EXPECT_LT(errors.p99_stretch, 0.2);
+}
+
+// Hung by two corners, dry, without drag: the centre of mass over the first half second.
+TEST(ReferenceSwing, DISABLED_FallsAsTheFineStepsDo) {
+  std::ifstream file(SOFTPOINT_CLOTH_DATA "/hung_by_two_corners.csv");
+  std::string line;
+  std::getline(file, line);
+  std::vector<double> drops;
+  while (std::getline(file, line)) {
+    double frame = 0, time = 0, drop = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf", &frame, &time, &drop), 3);
+    drops.push_back(drop);
+  }
+  ASSERT_GT(drops.size(), 30u);
+  Fabric fabric = reference_fabric();
+  fabric.drag_rate = 0;
+  SolverSheet sheet(reference_pattern(50, fabric), fabric, settings_of(Dial::kDefault));
+  for (int p : {0, 49})
+    sheet.hands.push_back({p, sheet.positions[static_cast<std::size_t>(p)], Vec3::Zero(), INFINITY});
+  double worst = 0;
+  for (std::size_t k = 1; k <= 30; ++k) {
+    sheet.step(1.0 / 60);
+    double drop = 0;
+    for (const Vec3& x : sheet.positions) drop -= x.z() / static_cast<double>(sheet.positions.size());
+    worst = std::max(worst, std::abs(drop - drops[k]));
+  }
+  const double deepest = *std::max_element(drops.begin(), drops.begin() + 31);
+  std::printf("swing: farthest %.4f of the drop\n", worst / deepest);
+  EXPECT_LT(worst, 0.05 * deepest);
+}
+
+}  // namespace
+}  // namespace softpoint::cloth
