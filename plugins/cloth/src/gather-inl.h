@@ -77,6 +77,19 @@ SOFTPOINT_INLINE Pack3<T> volume_gradient(const SweepData<T>& d, const ColourPla
   return out + load3(d.ex, d.ey, d.ez, at);
 }
 
+template <class T>
+SOFTPOINT_INLINE Pack<T> gauge_of(const SweepData<T>& d, long at, const double* gauges) {
+  const int pocket = d.tile_pocket[at / kTile];
+  if (pocket == -1) return Pack<T>{};
+  if (pocket >= 0) return splat(static_cast<T>(gauges[pocket]));
+  Pack<T> out{};
+  for (int i = 0; i < Of<T>::lanes; ++i) {
+    const int p = d.slot_pocket[at + i];
+    if (p >= 0) out[i] = static_cast<T>(gauges[p]);
+  }
+  return out;
+}
+
 // Adds the lanes of `values` to the pockets of a tile.
 template <class T, class Add>
 SOFTPOINT_INLINE void by_pocket(const SweepData<T>& d, long tile_index, long at, Pack<T> value, Add add) {
@@ -112,6 +125,24 @@ void gather_colour(const SweepData<T>& d, const ColourPlan& c, bool air, PocketS
       const Pack<T> apart = load(d.touch + at) > T(0) ? splat(T(0)) : load(d.free + at);
       by_pocket(d, at / kTile, at, apart * dot(v, b), [sums](int p, double s) { sums[p].stiff += s; });
       by_pocket(d, at / kTile, at, apart * dot(v, a), [sums](int p, double s) { sums[p].lag += s; });
+    }
+  }
+}
+
+// What pushes each point at the pressures given, contact left out, into b: minus the gradient.
+template <class T>
+void push_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges) {
+  Pack3<T> arms[kMaxRing];
+  for (long tile = 0; tile < c.tiles; ++tile) {
+    for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
+      const long at = c.first + tile * kTile + lane;
+      const Pack3<T> x = load3(d.x, d.y, d.z, at);
+      const Nodal<T> n = nodal(d, c, tile, lane, at, x, arms);
+      Pack3<T> push = {-n.g.x, -n.g.y, -n.g.z};
+      if (gauges != nullptr && d.tile_pocket[at / kTile] != -1) {
+        push = madd<T>(gauge_of(d, at, gauges), volume_gradient(d, c, tile, lane, at, arms), push);
+      }
+      store3(d.bx, d.by, d.bz, at, push);
     }
   }
 }

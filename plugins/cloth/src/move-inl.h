@@ -1,19 +1,6 @@
 // What a colour does at given pressures, contact and friction included: equations (7) to (9) of
 // doc/solver.md.
 
-template <class T>
-SOFTPOINT_INLINE Pack<T> gauge_of(const SweepData<T>& d, long at, const double* gauges) {
-  const int pocket = d.tile_pocket[at / kTile];
-  if (pocket == -1) return Pack<T>{};
-  if (pocket >= 0) return splat(static_cast<T>(gauges[pocket]));
-  Pack<T> out{};
-  for (int i = 0; i < Of<T>::lanes; ++i) {
-    const int p = d.slot_pocket[at + i];
-    if (p >= 0) out[i] = static_cast<T>(gauges[p]);
-  }
-  return out;
-}
-
 // The way s over the surface beyond sticking: within the plane, (A + tau) s = -shear with A the tangential
 // part of H, and tau |s| = mu (lambda_n + adhesion), lambda_n = press + n . H s. Were A a multiple a of one,
 // tau would be a r/(|shear| - r); the a of the last guess makes that converge in a few rounds.

@@ -30,11 +30,12 @@ void SweepStepper<T>::set_positions(std::span<const Vec3> positions) {
   for (std::size_t p = 0; p < positions.size(); ++p) {
     set_vector(SweepArrays<T>::kX, in_->layout.slot_of[p], positions[p] - origin_);
   }
-  contacts_dirty_ = true;
+  contacts_dirty_ = set_anew_ = true;
 }
 
 template <class T>
 void SweepStepper<T>::set_velocities(std::span<const Vec3> velocities) {
+  set_anew_ = true;
   for (std::size_t p = 0; p < velocities.size(); ++p) {
     set_vector(SweepArrays<T>::kW, in_->layout.slot_of[p], velocities[p]);
   }
@@ -46,7 +47,7 @@ void SweepStepper<T>::move_origin(const Vec3& origin) {
   const Vec3 shift = origin_ - origin;
   for (int slot : in_->layout.slot_of) set_vector(SweepArrays<T>::kX, slot, local(slot) + shift);
   origin_ = origin;
-  contacts_dirty_ = true;
+  contacts_dirty_ = set_anew_ = true;
 }
 
 template <class T>
@@ -57,6 +58,7 @@ void SweepStepper<T>::hands_changed() {
   bool same = wanted.size() == have.size();
   for (std::size_t i = 0; same && i < wanted.size(); ++i) same = wanted[i].point == have[i].point;
   if (!same) {
+    set_anew_ = true;
     for (const Hand& hand : have) arrays_.field(SweepArrays<T>::kFree)[hand.slot] = T(1);
     have.resize(wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {

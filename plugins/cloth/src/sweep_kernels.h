@@ -25,6 +25,8 @@ struct SweepKernels {
   int (*move)(const SweepData<T>&, const ColourPlan&, const double* gauges, PocketSums* sums);
   // x += dx. Returns the largest square of a move (m2); adds sum G . dx to `change` by pocket.
   double (*commit)(const SweepData<T>&, const ColourPlan&, bool air, double* change);
+  // Minus the gradient, air at the gauge pressures included (or null), contact not, into b.
+  void (*push)(const SweepData<T>&, const ColourPlan&, const double* gauges);
   // Adds sum x . G over the colour, by pocket (m3).
   void (*volume)(const SweepData<T>&, const ColourPlan&, double* volumes);
   // Energy of springs and bending, half of each spring's for each end (J).

@@ -42,6 +42,8 @@ const SweepKernels<double>& sweep_kernels<double>() {
 #include "stepper_air-inl.h"
 // after both
 #include "stepper_alone-inl.h"
+#include "stepper_coarse-inl.h"
+#include "stepper_guard-inl.h"
 #include "stepper_report-inl.h"
 
 template <class T>
@@ -170,15 +172,30 @@ void SweepStepper<T>::report() {
 
 template <class T>
 void SweepStepper<T>::substep() {
+  const bool changed = masses_dirty_ || forces_dirty_ || springs_dirty_ || air_dirty_ || set_anew_;
   load_inputs();
   load_hands();
+  if (in_->settings.guard && changed) {
+    if (air_) measure_air();
+    double kinetic = 0;
+    energy_ = total_energy(&kinetic);
+    work_ = 0, unchecked_ = 0, set_anew_ = false;
+  }
   predict();
   for (const ColourPlan& plan : in_->layout.colours) {
     kernels_.measure_dampers(data_, plan, arrays_.springs.get());
   }
   begin_air();
-  for (int i = 0; i < in_->settings.sweeps; ++i) sweep();
+  const int every = in_->settings.coarse_every;
+  const bool coarse = every > 0 && profile.substeps % every == 0;
+  if (every > 0 && time_ == 0) assemble_coarse();
+  // The first sweep takes what is rough out of the way.
+  const int first = coarse ? std::max(1, in_->settings.sweeps / 2) : 0;
+  for (int i = 0; i < first; ++i) sweep();
+  if (coarse) coarse_step();
+  for (int i = 0; i < std::max(1, in_->settings.sweeps - first); ++i) sweep();
   finish();
+  guard();
   report();
   for (std::size_t p = 0; p < pocket_states_.size(); ++p) pocket_states_[p] = {volumes_[p], gauges_[p]};
   time_ += h_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cloth_stepper.h"
+#include "coarse_level.h"
 #include "sweep_arrays.h"
 #include "sweep_kernels.h"
 
@@ -86,6 +87,23 @@ class SweepStepper final : public ClothStepper {
   void solve_gauge(std::size_t pocket, const PocketSums& sums);
   double air_energy() const;
 
+  // stepper_coarse-inl.h
+  void assemble_coarse();
+  void coarse_step();
+  void measure_air();
+  void measure_push();
+  Vec3 push_at(int slot) const;
+  bool carried(int slot) const;
+  double push_along() const;
+  void move_along(double part);
+
+  // stepper_guard-inl.h
+  static constexpr int kCalm = 16, kCalmEvery = 4;  // small steps
+  double total_energy(double* kinetic) const;
+  double work() const;
+  void damp(double excess);
+  void guard();
+
   // stepper_report-inl.h
   Vec3 gradient(int slot, bool dynamic) const;
 
@@ -111,9 +129,18 @@ class SweepStepper final : public ClothStepper {
   double springs_h_ = 0;              // what the dampers are made for
   bool masses_dirty_ = true, forces_dirty_ = true, springs_dirty_ = true, contacts_dirty_ = true,
        air_dirty_ = true;
+  bool set_anew_ = true;  // positions, velocities, hands or the origin
   bool has_planes_ = false, planes_move_ = false;
   std::vector<Hand> hands_;
   std::vector<Wedge> wedges_;
+
+  std::unique_ptr<CoarseLevel> coarse_;
+  bool coarse_ready_ = false;
+  std::vector<char> moves_;
+  std::vector<double> inertia_, bubble_, bubble_way_;
+
+  double energy_ = 0, work_ = 0;  // J, when last checked; since then
+  int calm_ = 0, unchecked_ = 0;  // checks in a row that were fair, small steps since the last one
 
   bool air_ = false;  // some pocket has a pressure
   std::vector<PocketState> pocket_states_;

@@ -1,0 +1,161 @@
+// The coarse correction: what the sweeps are slow at, the whole cloth going somewhere. Included by
+// sweep_stepper.cpp only.
+
+// Of the springs as they lie; once a frame will do, since the line search measures what it is worth.
+template <class T>
+void SweepStepper<T>::assemble_coarse() {
+  using A = SweepArrays<T>;
+  const SweepLayout& layout = in_->layout;
+  if (coarse_ == nullptr) coarse_ = std::make_unique<CoarseLevel>(in_->pattern, in_->settings.coarse_points);
+  const int n = in_->pattern.point_count();
+  moves_.resize(n);
+  inertia_.resize(n);
+  const T *free = arrays_.field(A::kFree), *touch = arrays_.field(A::kTouch), *mass = arrays_.field(A::kMass);
+  for (int p = 0; p < n; ++p) {
+    const int slot = layout.slot_of[p];
+    moves_[p] = free[slot] != T(0) && touch[slot] != T(1);
+    inertia_[p] = moves_[p] ? double(mass[slot]) * (1 + in_->fabric.drag_rate * h_) / (h_ * h_) : 0;
+  }
+  coarse_->begin(inertia_);
+  const std::vector<Spring>& springs = in_->pattern.springs;
+  const double damping = in_->fabric.damping_time / h_;
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const Spring& spring = springs[s];
+    if (!moves_[spring.a] && !moves_[spring.b]) continue;
+    const Vec3 r = local(layout.slot_of[spring.b]) - local(layout.slot_of[spring.a]);
+    const double length = std::max(r.norm(), 1e-12), longer = length - spring.rest;
+    const double stiff = spring.stiffness * (in_->stiffness_factors.empty() ? 1 : in_->stiffness_factors[s]);
+    const double tangent = longer > 0 ? stiff : stiff * in_->fabric.compression_ratio;
+    const double lateral = std::max(0.0, tangent * longer / length);
+    const double along = (tangent + stiff * damping - lateral) / (length * length);
+    const double h[6] = {lateral + along * r.x() * r.x(), lateral + along * r.y() * r.y(),
+                         lateral + along * r.z() * r.z(), along * r.x() * r.y(),
+                         along * r.x() * r.z(),           along * r.y() * r.z()};
+    coarse_->add_spring(static_cast<int>(s), h, moves_[spring.a] != 0, moves_[spring.b] != 0);
+  }
+  for (std::size_t b = 0; b < in_->pattern.bends.size(); ++b) {
+    coarse_->add_bend(static_cast<int>(b), in_->pattern.bends[b].stiffness, moves_);
+  }
+  coarse_ready_ = coarse_->factor();
+}
+
+// Pressures of the volumes as they are.
+template <class T>
+void SweepStepper<T>::measure_air() {
+  if (!air_) return;
+  measure_volumes();
+  for (std::size_t p = 0; p < gauges_.size(); ++p) solve_gauge(p, {});
+}
+
+template <class T>
+void SweepStepper<T>::measure_push() {
+  measure_air();
+  for (const ColourPlan& plan : in_->layout.colours)
+    kernels_.push(data_, plan, air_ ? gauges_.data() : nullptr);
+}
+
+// Along the plane only where a point slides, against friction as it was.
+template <class T>
+Vec3 SweepStepper<T>::push_at(int slot) const {
+  using A = SweepArrays<T>;
+  Vec3 push = vector_at(A::kB, slot);
+  if (arrays_.field(A::kTouch)[slot] == T(2)) {
+    push += vector_at(A::kC, slot);
+    const Vec3 n = vector_at(A::kN, slot);
+    push -= n.dot(push) * n;
+  }
+  return push;
+}
+
+// Neither held nor stuck nor about to be.
+template <class T>
+bool SweepStepper<T>::carried(int slot) const {
+  using A = SweepArrays<T>;
+  const T touch = arrays_.field(A::kTouch)[slot];
+  if (arrays_.field(A::kFree)[slot] == T(0) || touch == T(1)) return false;
+  if (touch == T(2)) return true;
+  const Vec3 n = vector_at(A::kN, slot);
+  return n.dot(local(slot)) > arrays_.field(A::kLevel)[slot] || n.dot(vector_at(A::kB, slot)) > 0;
+}
+
+template <class T>
+double SweepStepper<T>::push_along() const {
+  using A = SweepArrays<T>;
+  double sum = 0;
+  for (int slot : in_->layout.slot_of) sum += push_at(slot).dot(vector_at(A::kD, slot));
+  return sum;
+}
+
+template <class T>
+void SweepStepper<T>::move_along(double part) {
+  using A = SweepArrays<T>;
+  const T scale = static_cast<T>(part);
+  for (int k = 0; k < 3; ++k) {
+    T* x = arrays_.field(A::kX + k);
+    const T* d = arrays_.field(A::kD + k);
+    for (long i = 0; i < arrays_.slots; ++i) x[i] += scale * d[i];
+  }
+}
+
+template <class T>
+void SweepStepper<T>::coarse_step() {
+  using A = SweepArrays<T>;
+  const SweepLayout& layout = in_->layout;
+  if (!coarse_ready_) return;
+  ++profile.coarse_steps;
+  measure_push();
+  const T* touch = arrays_.field(A::kTouch);
+  const int n = in_->pattern.point_count();
+  const std::span<double> right = coarse_->right_side();
+  std::fill(right.begin(), right.end(), 0.0);
+  for (int p = 0; p < n; ++p) {
+    const int slot = layout.slot_of[p];
+    moves_[p] = carried(slot);
+    if (moves_[p]) coarse_->add_to(right, p, push_at(slot));
+  }
+  coarse_->solve(right);
+  // Each bubble resists a change of its volume with kappa = p/V: a matrix of rank one each, by Sherman and
+  // Morrison one after the other.
+  for (std::size_t i = 0; i < gauges_.size() && air_; ++i) {
+    const AirPocket& pocket = in_->pockets[i];
+    const double p = pocket.ambient + gauges_[i];
+    if (pocket.open || pocket.air <= 0 || volumes_[i] <= 0 || p * volumes_[i] < 0.999 * pocket.air) continue;
+    bubble_.assign(right.size(), 0.0);
+    for (int q = 0; q < n; ++q) {
+      const int slot = layout.slot_of[q];
+      if (moves_[q] && arrays_.slot_pocket[slot] == static_cast<int>(i)) {
+        coarse_->add_to(bubble_, q, vector_at(A::kV, slot));
+      }
+    }
+    bubble_way_ = bubble_;
+    coarse_->solve(bubble_way_);
+    double gg = 0, gr = 0;
+    for (std::size_t k = 0; k < right.size(); ++k)
+      gg += bubble_[k] * bubble_way_[k], gr += bubble_[k] * right[k];
+    const double kappa = p / volumes_[i];
+    const double factor = kappa * gr / (1 + kappa * gg);
+    for (std::size_t k = 0; k < right.size(); ++k) right[k] -= factor * bubble_way_[k];
+  }
+  for (int p = 0; p < n; ++p) {
+    const int slot = layout.slot_of[p];
+    Vec3 d = Vec3::Zero();
+    if (moves_[p]) {
+      d = coarse_->value_at(right, p);
+      if (touch[slot] == T(2)) {
+        const Vec3 normal = vector_at(A::kN, slot);
+        d -= normal.dot(d) * normal;
+      }
+    }
+    set_vector(A::kD, slot, d);
+  }
+  const double before = push_along();
+  if (!(before > 0)) return;
+  move_along(1);
+  measure_push();
+  const double after = push_along();
+  // The push along the way, taken as straight between its ends, is zero here.
+  const double part = std::clamp(before / std::max(before - after, 1e-3 * before), 0.0, 1.5);
+  move_along(part - 1);
+  measure_air();
+  if (part > 0.05) ++profile.coarse_taken;
+}

@@ -1,0 +1,120 @@
+// The energy guard: a small step may not end with more energy than the last one checked had, plus the work of
+// hands and moving colliders. Included by sweep_stepper.cpp only.
+
+// Kinetic and potential energy; what hands hold exactly has no kinetic one. J.
+template <class T>
+double SweepStepper<T>::total_energy(double* kinetic) const {
+  using A = SweepArrays<T>;
+  const T* mass = arrays_.field(A::kMass);
+  double moving = 0, weight = 0;
+  for (long first = 0; first < arrays_.slots; first += kTile) {
+    T k[kTile] = {}, g[kTile] = {};
+    for (int c = 0; c < 3; ++c) {
+      const T *x = arrays_.field(A::kX + c) + first, *w = arrays_.field(A::kW + c) + first;
+      const T* f = arrays_.field(A::kF + c) + first;
+      for (int i = 0; i < kTile; ++i) k[i] += w[i] * w[i], g[i] += f[i] * x[i];
+    }
+    for (int i = 0; i < kTile; ++i) {
+      moving += double(mass[first + i]) * double(k[i]);
+      weight += double(mass[first + i]) * double(g[i]);
+    }
+  }
+  for (const Hand& hand : hands_) {
+    if (!hand.limited) moving -= double(mass[hand.slot]) * vector_at(A::kW, hand.slot).squaredNorm();
+  }
+  *kinetic = moving / 2;
+  double energy = *kinetic - weight + (air_ ? air_energy() : 0);
+  for (const ColourPlan& plan : in_->layout.colours) energy += kernels_.elastic_energy(data_, plan);
+  return energy;
+}
+
+// Work of hands and of surfaces that move, in this small step. J.
+template <class T>
+double SweepStepper<T>::work() const {
+  using A = SweepArrays<T>;
+  double sum = 0;
+  for (const Hand& hand : hands_) {
+    sum += (gradient(hand.slot, true) - vector_at(A::kC, hand.slot))
+               .dot(local(hand.slot) - vector_at(A::kS, hand.slot));
+  }
+  if (!planes_move_) return sum;
+  for (int slot : in_->layout.slot_of) sum += vector_at(A::kC, slot).dot(vector_at(A::kU, slot));
+  return sum;
+}
+
+// Takes `excess` (J) out of the velocity relative to the mean, or all of it.
+template <class T>
+void SweepStepper<T>::damp(double excess) {
+  using A = SweepArrays<T>;
+  const T *mass = arrays_.field(A::kMass), *free = arrays_.field(A::kFree);
+  double total = 0, relative = 0;
+  Vec3 mean = Vec3::Zero();
+  for (int slot : in_->layout.slot_of) {
+    if (free[slot] == T(0)) continue;
+    total += mass[slot];
+    mean += double(mass[slot]) * vector_at(A::kW, slot);
+  }
+  if (total > 0 && hands_.empty()) mean /= total;
+  if (!hands_.empty()) mean.setZero();  // held: all of it may go
+  for (int slot : in_->layout.slot_of) {
+    if (free[slot] != T(0))
+      relative += 0.5 * double(mass[slot]) * (vector_at(A::kW, slot) - mean).squaredNorm();
+  }
+  const double keep = relative > excess ? std::sqrt(1 - excess / relative) : 0.0;
+  for (int slot : in_->layout.slot_of) {
+    if (free[slot] != T(0)) set_vector(A::kW, slot, mean + keep * (vector_at(A::kW, slot) - mean));
+  }
+}
+
+template <class T>
+void SweepStepper<T>::guard() {
+  if (!in_->settings.guard) return;
+  work_ += work();
+  if (calm_ >= kCalm && ++unchecked_ < kCalmEvery) {
+    ++profile.guard_skipped;
+    return;
+  }
+  unchecked_ = 0;
+  ++profile.guard_checks;
+  const double rounding = sizeof(T) == 4 ? 1e-7 : 1e-13;
+  double kinetic = 0;
+  double energy = total_energy(&kinetic);
+  const auto excess = [&] {
+    return energy - energy_ - work_ - rounding * (std::abs(energy_) + std::abs(work_));
+  };
+  if (excess() > 0) {
+    calm_ = 0;
+    ++profile.guard_sweeps;
+    work_ -= work();
+    sweep();
+    finish();
+    work_ += work();
+    energy = total_energy(&kinetic);
+  } else {
+    ++calm_;
+  }
+  if (excess() > kinetic) {
+    // The way there led uphill: from the start of the small step, where the energy was fair.
+    ++profile.guard_restarts;
+    work_ -= work();
+    using A = SweepArrays<T>;
+    for (int k = 0; k < 3; ++k) {
+      std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
+    }
+    for (const Hand& hand : hands_) {
+      if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+    }
+    measure_air();
+    for (int i = 0; i < 2 * in_->settings.sweeps; ++i) sweep();
+    finish();
+    work_ += work();
+    energy = total_energy(&kinetic);
+  }
+  if (excess() > 0) {
+    ++profile.guard_damped;
+    damp(excess());
+    energy = total_energy(&kinetic);
+  }
+  energy_ = energy;
+  work_ = 0;
+}
