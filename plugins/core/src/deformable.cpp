@@ -133,11 +133,43 @@ void Deformable::build_mirror() {
     face.m_leaf = m_fdbvt.insert(volume_of(face), &face);
   }
   m_fdbvt.optimizeTopDown();
+  // From the root down, then turned round: the tree keeps this shape, only its boxes follow.
+  if (m_fdbvt.m_root != nullptr && m_fdbvt.m_root->isinternal()) {
+    tree_nodes_.push_back(m_fdbvt.m_root);
+  }
+  for (std::size_t i = 0; i < tree_nodes_.size(); ++i) {
+    for (btDbvtNode* child : {tree_nodes_[i]->childs[0], tree_nodes_[i]->childs[1]}) {
+      if (child->isinternal()) {
+        tree_nodes_.push_back(child);
+      }
+    }
+  }
+  std::reverse(tree_nodes_.begin(), tree_nodes_.end());
+  tree_positions_ = positions_;
+  tree_padding_ = -1.0;
   mirror(0.0);
+}
+
+// Boxes of faces and of what holds them, padded so that they hold for some steps. Bullet's own update takes
+// leaves out of the tree and puts them back one by one.
+void Deformable::fit_face_tree(double padding) {
+  const btVector3 pad(static_cast<btScalar>(padding), static_cast<btScalar>(padding),
+                      static_cast<btScalar>(padding));
+  for (int f = 0; f < m_faces.size(); ++f) {
+    Face& face = m_faces[f];
+    face.m_leaf->volume = volume_of(face);
+    face.m_leaf->volume.Expand(pad);
+  }
+  for (btDbvtNode* node : tree_nodes_) {
+    Merge(node->childs[0]->volume, node->childs[1]->volume, node->volume);
+  }
+  tree_positions_ = positions_;
+  tree_padding_ = padding;
 }
 
 void Deformable::mirror(double dt) {
   Vec3 low = positions_.front(), high = low;
+  double farthest = 0;
   for (int i = 0; i < m_nodes.size(); ++i) {
     const auto v = static_cast<std::size_t>(i);
     Node& node = m_nodes[i];
@@ -147,10 +179,11 @@ void Deformable::mirror(double dt) {
     node.m_n = btVector3(0, 0, 0);
     low = low.cwiseMin(positions_[v]);
     high = high.cwiseMax(positions_[v]);
+    farthest = std::max(farthest, (positions_[v] - tree_positions_[v]).squaredNorm());
   }
-  const double padding = kLeafPadding * (high - low).maxCoeff();
-  const btVector3 pad(static_cast<btScalar>(padding), static_cast<btScalar>(padding),
-                      static_cast<btScalar>(padding));
+  if (!(std::sqrt(farthest) < tree_padding_)) {
+    fit_face_tree(kLeafPadding * (high - low).maxCoeff());
+  }
   for (int f = 0; f < m_faces.size(); ++f) {
     Face& face = m_faces[f];
     const btVector3 normal =
@@ -160,11 +193,6 @@ void Deformable::mirror(double dt) {
     }
     const btScalar length = normal.length();
     face.m_normal = length > 0 ? normal / length : normal;
-    btDbvtVolume volume = volume_of(face);
-    if (!face.m_leaf->volume.Contain(volume)) {
-      volume.Expand(pad);
-      m_fdbvt.update(face.m_leaf, volume);
-    }
   }
   for (int i = 0; i < m_nodes.size(); ++i) {
     const btScalar length = m_nodes[i].m_n.length();

@@ -130,6 +130,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void finish(double dt);
   void turn_by_couple();
   void mirror(double dt);
+  void fit_face_tree(double padding);
   void archive(StateArchive& archive);
   void fall_asleep();
   bool rested(double dt, bool quiet);
@@ -137,7 +138,10 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
 
   btSoftBodyWorldInfo world_info_;
   std::unique_ptr<btSoftBodySolver> mirror_solver_;
-  std::vector<Vec3> impulses_;  // queued by apply_impulse, N s
+  std::vector<btDbvtNode*> tree_nodes_;  // inner ones of m_fdbvt, children before parents
+  std::vector<Vec3> tree_positions_;     // m, of the points when its boxes were last fitted
+  double tree_padding_ = 0;              // m, of the boxes
+  std::vector<Vec3> impulses_;           // queued by apply_impulse, N s
   std::vector<std::array<int, 2>> edges_;
   std::vector<std::array<int, 2>> edge_faces_;  // second is -1 on a boundary
   Vec3 acceleration_ = Vec3::Zero();
