@@ -99,6 +99,10 @@ void Cloth::State::take_saturation() {
   for (std::size_t v = 0; v < friction_factor.size(); ++v) {
     friction_factor[v] = cloth::friction_factor(design.wetness, design.saturation[v]);
   }
+  if (design.paper) {
+    paper = std::make_unique<PaperCloth>(wet, design.fabric, *design.paper);
+    paper_on_plane = false;
+  }
 }
 
 bool Cloth::State::airy() const {

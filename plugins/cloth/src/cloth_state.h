@@ -6,6 +6,7 @@
 #include "cloth_solver.h"
 #include "collider_coupling.h"
 #include "contact_gatherer.h"
+#include "paper_cloth.h"
 #include "self_contact.h"
 #include "softpoint/cloth/cloth.h"
 
@@ -39,7 +40,18 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   void begin_self(std::span<const HeldPoint> held);
   void meet_self();
   void end_air(double dt, NearColliders& near);
+  // All of it in the `paper` mode (cloth_paper.cpp).
+  void advance_paper(double dt, const Vec3& acceleration, NearColliders& near, std::span<HeldPoint> held);
+  bool paper_plane(const NearColliders& near, const Vec3& acceleration);
   void read(double dt, NearColliders& near, std::span<HeldPoint> held);
+
+  // The `paper` mode, if it is that.
+  std::unique_ptr<PaperCloth> paper;
+  std::vector<PaperHand> paper_hands;
+  bool paper_on_plane = false;
+  Vec3 paper_normal = Vec3::Zero();
+  double paper_offset = 0;  // m
+  double paper_air = -1;    // m3 at ambient pressure; below 0 until there is a plane
 
   // The step at work, world frame.
   std::vector<Vec3> positions, velocities, before;

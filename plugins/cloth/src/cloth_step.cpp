@@ -20,6 +20,11 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
   s.dt = dt;
   std::copy(positions_.begin(), positions_.end(), s.positions.begin());
   std::copy(velocities_.begin(), velocities_.end(), s.velocities.begin());
+  if (s.paper) {
+    s.advance_paper(dt, acceleration, near, held);
+    end_positions_ = s.positions;
+    return;
+  }
   s.solver.set_gravity(acceleration);
   s.solver.set_wind(s.wind);
   s.self.counts = {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "softpoint/cloth/air.h"
 #include "softpoint/cloth/cloth_profile.h"
 #include "softpoint/cloth/cloth_settings.h"
+#include "softpoint/cloth/paper_settings.h"
 #include "softpoint/cloth/pattern.h"
 #include "softpoint/cloth/wetness.h"
 #include "softpoint/core/deformable.h"
@@ -32,6 +34,10 @@ struct ClothDesign {
   SelfContact self_contact;
   ClothSettings solver;     // the dial between speed and accuracy
   std::vector<Vec3> start;  // where the points begin, m, in the frame of the pattern; empty: in its shape
+  // The thesis' own scheme instead of the solver: a sheet on a grid, one plane (the first that is near) and
+  // one bubble, hands as strong as they need be; everything else around it and `wetness` but for the mass are
+  // left out.
+  std::optional<PaperSettings> paper;
 };
 
 // A volume of air in or under a cloth, after the last step.
