@@ -12,11 +12,12 @@ namespace softpoint::cloth {
 namespace {
 
 Fields fields_of_air(AirSettings& settings) {
-  auto& [bubbles, ambient, initial_volume, touch_gap, release_gap, lifetime, min_thickness, limit_suction,
-         surface_tension, contact_angle, pore_diameter, vapour_pressure, leak, permeability, vent, viscosity,
-         film_gap, bridge_gap, rim_width, wet, adhesion] = settings;
+  auto& [bubbles, ambient, initial_volume, touch_gap, release_gap, lifetime, min_thickness, patch_suction,
+         limit_suction, surface_tension, contact_angle, pore_diameter, vapour_pressure, leak, permeability,
+         vent, viscosity, film_gap, bridge_gap, rim_width, wet, adhesion] = settings;
   static_assert(std::is_same_v<decltype(bubbles), Bubbles>);
-  static_assert(std::is_same_v<decltype(limit_suction), bool> && std::is_same_v<decltype(leak), bool> &&
+  static_assert(std::is_same_v<decltype(patch_suction), bool> &&
+                std::is_same_v<decltype(limit_suction), bool> && std::is_same_v<decltype(leak), bool> &&
                 std::is_same_v<decltype(vent), bool> && std::is_same_v<decltype(adhesion), bool>);
   if (!initial_volume) initial_volume = 1e-4;
   return {{"ambient", ambient, 0, 1e9},

@@ -60,12 +60,17 @@ struct AirSheet {
   void find(int frames) {
     for (int i = 0; i < frames; ++i) find();
   }
-  int pockets() const { return static_cast<int>(finder.pockets().size()); }
+  // Bubbles; contact patches come after them.
+  int pockets() const {
+    int count = 0;
+    for (const Bubble& bubble : finder.bubbles()) count += !bubble.patch;
+    return count;
+  }
   double air(int pocket) const { return finder.pockets()[pocket].air; }
   double volume(int pocket) const { return finder.volume(pocket, positions); }
   std::vector<double> volumes() const {
     std::vector<double> all;
-    for (int i = 0; i < pockets(); ++i) all.push_back(volume(i));
+    for (std::size_t i = 0; i < finder.pockets().size(); ++i) all.push_back(volume(static_cast<int>(i)));
     return all;
   }
   void exchange(double dt) { finder.exchange(dt, volumes()); }
@@ -85,7 +90,7 @@ inline double bump(double x, double y, double height, double radius) {
 // No limit, leak, vent or film: K changes by nothing but the bubbles themselves.
 inline AirSettings sealed() {
   AirSettings settings;
-  settings.limit_suction = settings.leak = settings.vent = settings.adhesion = false;
+  settings.patch_suction = settings.limit_suction = settings.leak = settings.vent = settings.adhesion = false;
   return settings;
 }
 

@@ -97,6 +97,100 @@ TEST(Bubbles, PressedFlatLeaveTheirAirOnThePatch) {
   EXPECT_NEAR(sheet.air(0), air, 1e-12 * air);
 }
 
+TEST(Patches, AreHeldBySuctionAndLetPeelingBe) {
+  AirSettings settings = sealed();
+  settings.patch_suction = true;
+  AirSheet sheet(settings);
+  sheet.lift([](double, double) { return 0.0; });
+  EXPECT_TRUE(sheet.find());
+  ASSERT_EQ(sheet.pockets(), 0);
+  ASSERT_EQ(sheet.finder.pockets().size(), 1u);
+  const AirPocket& whole = sheet.finder.pockets()[0];
+  EXPECT_EQ(whole.air, 0);
+  EXPECT_EQ(whole.max_gauge, 0);
+  EXPECT_FALSE(whole.open);
+  EXPECT_NEAR(sheet.volume(0), 0, 1e-15);
+  std::vector<Vec3> lifted = sheet.positions;
+  for (Vec3& x : lifted) x.z() += 1e-6;
+  EXPECT_NEAR(sheet.finder.volume(0, lifted), 0.09e-6, 1e-12);
+
+  // A bubble takes the ring of faces around it along; the patch counts from where it is.
+  sheet.lift([](double x, double y) { return bump(x, y, 0.02, 0.1) + 2e-4; });
+  sheet.find();
+  ASSERT_EQ(sheet.pockets(), 1);
+  ASSERT_EQ(sheet.finder.pockets().size(), 2u);
+  EXPECT_TRUE(sheet.finder.bubbles()[1].patch);
+  EXPECT_NEAR(sheet.volume(1), 0, 1e-15);
+  EXPECT_NEAR(sheet.volume(0), sheet.finder.bubbles()[0].volume, 1e-12);
+  const auto pockets = sheet.finder.face_pockets();
+  int ring = 0;
+  for (std::size_t f = 0; f < pockets.size(); ++f) {
+    bool all_touch = true;
+    for (const int point : sheet.pattern.faces[f]) all_touch = all_touch && sheet.finder.touching()[point];
+    EXPECT_TRUE(all_touch || pockets[f] == 0);
+    ring += all_touch && pockets[f] == 0;
+    for (const int point : sheet.pattern.faces[f]) {
+      EXPECT_TRUE(sheet.finder.touching()[point] || pockets[f] == 0);
+    }
+  }
+  EXPECT_GT(ring, 50);
+  // It keeps its air when it is pressed flat, and finds it again.
+  const double air = sheet.air(0);
+  sheet.lift([](double, double) { return 0.0; });
+  sheet.find(5);
+  EXPECT_EQ(sheet.pockets(), 0);
+  EXPECT_EQ(sheet.finder.pockets()[0].air, 0);
+  EXPECT_NEAR(sheet.finder.air(), air, 1e-12 * air);
+  sheet.lift([](double x, double y) { return bump(x, y, 0.02, 0.11); });
+  sheet.find();
+  EXPECT_NEAR(sheet.air(0), air, 1e-12 * air);
+  // Where it is dry nothing holds it.
+  for (std::size_t i = 0; i < sheet.saturations.size(); ++i) {
+    sheet.saturations[i] = sheet.pattern.points[i].x() > 0.12 ? 0.0 : 1.0;
+  }
+  sheet.finder.set_saturation(sheet.saturations);
+  sheet.lift([](double x, double y) { return bump(x, y, 0.02, 0.1); });
+  sheet.find();
+  for (std::size_t f = 0; f < pockets.size(); ++f) {
+    const bool dry = sheet.saturations[sheet.pattern.faces[f][0]] == 0;
+    EXPECT_TRUE(!dry || sheet.finder.face_pockets()[f] < 1) << f;
+  }
+}
+
+TEST(Patches, ShareNoPointWithABubbleNorBubblesWithEachOther) {
+  AirSettings settings = sealed();
+  settings.patch_suction = true;
+  settings.lifetime = 1;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  AirSheet sheet(settings, 40);
+  int patches = 0;
+  for (int frame = 0; frame < 100; ++frame) {
+    const double x0 = 0.2 * (uniform(random) - 0.5), y0 = 0.2 * (uniform(random) - 0.5),
+                 r = 0.1 * uniform(random);
+    two_bumps(sheet, 0.01, 0.02, 0);
+    for (std::size_t i = 0; i < sheet.positions.size(); ++i) {
+      sheet.positions[i].z() += bump(sheet.positions[i].x() - x0, sheet.positions[i].y() - y0, 0.01, r);
+    }
+    sheet.measure(foot_on_plane);
+    sheet.find();
+    std::vector<int> owner(sheet.positions.size(), -1);
+    const auto pockets = sheet.finder.face_pockets();
+    for (std::size_t f = 0; f < pockets.size(); ++f) {
+      if (pockets[f] < 0) continue;
+      patches += sheet.finder.bubbles()[pockets[f]].patch;
+      for (const int point : sheet.pattern.faces[f]) {
+        ASSERT_TRUE(owner[point] < 0 || owner[point] == pockets[f] || sheet.finder.touching()[point]);
+        if (sheet.finder.bubbles()[pockets[f]].patch) {
+          ASSERT_TRUE(owner[point] < 0 || owner[point] == pockets[f]);
+        }
+        owner[point] = pockets[f];
+      }
+    }
+  }
+  EXPECT_GT(patches, 10000);
+}
+
 TEST(Bubbles, ThinnerThanTheLimitKeepTheirAirToThemselves) {
   AirSettings settings = sealed();
   settings.min_thickness = 2e-3;

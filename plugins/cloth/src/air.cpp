@@ -13,6 +13,7 @@ AirSettings thesis_air(double initial_volume) {
   AirSettings settings;
   settings.bubbles = Bubbles::kOne;
   settings.initial_volume = initial_volume;
+  settings.patch_suction = false;
   settings.limit_suction = false;
   settings.leak = false;
   settings.vent = false;

@@ -19,6 +19,7 @@ struct AirPocket {
   double max_suction = std::numeric_limits<double>::infinity();  // Pa; p >= ambient - max_suction
   double min_pressure = 0;                                       // Pa; p >= min_pressure
   double ambient = 101325;                                       // Pa
+  double max_gauge = std::numeric_limits<double>::infinity();    // Pa; p <= ambient + max_gauge
   bool open = false;                                             // p = ambient: nothing to solve
 };
 

@@ -18,20 +18,21 @@ void BubbleFinder::move_air() {
   const auto carried = [&](std::size_t f) {
     return std::max(old_pockets_[old_face_pocket_[f]].side * face_volume_[f], 0.0);
   };
+  const auto now_of = [&](std::size_t f) { return bubble_of(static_cast<int>(f)); };
   // Area of all faces while none remains, of the remaining ones as soon as one does.
   old_children_.assign(old_pockets_.size(), 0);
   for (std::size_t f = 0; f < faces; ++f) {
-    if (old_face_pocket_[f] >= 0 && face_pocket_[f] >= 0) ++old_children_[old_face_pocket_[f]];
+    if (old_bubble_of(f) >= 0 && now_of(f) >= 0) ++old_children_[old_bubble_of(f)];
   }
   for (std::size_t f = 0; f < faces; ++f) {
-    const int old = old_face_pocket_[f];
+    const int old = old_bubble_of(f);
     if (old < 0) continue;
-    const bool remains = face_pocket_[f] >= 0;
+    const bool remains = now_of(f) >= 0;
     if (remains) old_weight_[old] += carried(f);
     if (remains || old_children_[old] == 0) old_area_[old] += topology_.face_areas[f];
   }
   for (std::size_t f = 0; f < faces; ++f) {
-    const int old = old_face_pocket_[f], now = face_pocket_[f];
+    const int old = old_bubble_of(f), now = now_of(f);
     if (old >= 0) {
       const double air = old_pockets_[old].air;
       const double by_area = topology_.face_areas[f] / old_area_[old];
@@ -65,16 +66,17 @@ double BubbleFinder::air_before_moving() const {
 
 void BubbleFinder::count_changes() {
   if (fresh_) return;
-  for (const int remaining : old_children_) counts_.parked += remaining == 0;
+  for (int i = 0; i < old_bubble_count_; ++i) counts_.parked += old_children_[i] == 0;
   // Faces in the order of their new bubbles, so that each pair of old and new is seen once.
-  order_cursor_.assign(pockets_.size() + 1, 0);
+  order_cursor_.assign(bubble_count_ + 1, 0);
   for (const int pocket : face_pocket_) {
-    if (pocket >= 0) ++order_cursor_[pocket + 1];
+    if (pocket >= 0 && pocket < bubble_count_) ++order_cursor_[pocket + 1];
   }
   for (std::size_t i = 1; i < order_cursor_.size(); ++i) order_cursor_[i] += order_cursor_[i - 1];
   const int in_bubbles = order_cursor_.back();
   for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
-    if (face_pocket_[f] >= 0) face_order_[order_cursor_[face_pocket_[f]]++] = static_cast<int>(f);
+    const int now = bubble_of(static_cast<int>(f));
+    if (now >= 0) face_order_[order_cursor_[now]++] = static_cast<int>(f);
   }
   seen_by_.assign(old_pockets_.size(), -1);
   std::fill(old_children_.begin(), old_children_.end(), 0);
@@ -82,7 +84,7 @@ void BubbleFinder::count_changes() {
     const int now = face_pocket_[face_order_[i]];
     int parents = 0;
     for (; i < in_bubbles && face_pocket_[face_order_[i]] == now; ++i) {
-      const int old = old_face_pocket_[face_order_[i]];
+      const int old = old_bubble_of(face_order_[i]);
       if (old < 0 || seen_by_[old] == now) continue;
       seen_by_[old] = now;
       ++parents;
@@ -102,7 +104,7 @@ void BubbleFinder::first_air() {
   const bool first = !started_;
   started_ = true;
   double made = 0;
-  for (std::size_t i = 0; i < pockets_.size(); ++i) {
+  for (int i = 0; i < bubble_count_; ++i) {
     const double share = std::max(bubbles_[i].volume, 0.0);
     double air = settings_.ambient * share;
     if (first && settings_.initial_volume && !bubbles_[i].closed) {
@@ -119,8 +121,8 @@ void BubbleFinder::first_air() {
     for (std::size_t f = 0; f < parked_.size(); ++f) {
       if (topology_.closed[f]) continue;
       const double share = air * (topology_.face_areas[f] / area);
-      if (face_pocket_[f] >= 0) {
-        pockets_[face_pocket_[f]].air += share;
+      if (const int bubble = bubble_of(static_cast<int>(f)); bubble >= 0) {
+        pockets_[bubble].air += share;
       } else {
         parked_[f] = share;
       }

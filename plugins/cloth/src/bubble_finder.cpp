@@ -20,6 +20,9 @@ BubbleFinder::BubbleFinder(AirTopology topology, const AirSettings& settings)
   touching_.assign(points, 0);
   touch_frames_.assign(points, 0);
   airy_.assign(faces, 0);
+  reachable_.assign(faces, 0);
+  point_pocket_.assign(points, kNone);
+  point_face_.assign(points, kNone);
   face_pocket_.assign(faces, -1);
   old_face_pocket_.assign(faces, -1);
   parents_.assign(faces, 0);
@@ -51,6 +54,7 @@ void BubbleFinder::set_settings(const AirSettings& settings) {
   check(settings);
   if (settings.bubbles != settings_.bubbles) drop_all();
   settings_ = settings;
+  repaint_ = true;
   find_wet();
 }
 
@@ -65,6 +69,7 @@ void BubbleFinder::set_saturation(std::span<const double> saturation) {
                 std::to_string(topology_.points));
   }
   for (const double value : saturation) check_range("saturation", value, 0, 1);
+  repaint_ = repaint_ || !std::equal(saturation.begin(), saturation.end(), saturation_.begin());
   std::copy(saturation.begin(), saturation.end(), saturation_.begin());
   find_wet();
   for (std::size_t f = 0; f < dry_pores_.size(); ++f) {
@@ -89,6 +94,10 @@ bool BubbleFinder::find(const AirFrame& frame) {
   if (changed) {
     group();
     number_pockets();
+    if (settings_.bubbles == Bubbles::kFound && settings_.patch_suction) {
+      add_ring();
+      add_patches();
+    }
   } else {
     ++counts_.labels_kept;
   }
@@ -107,6 +116,7 @@ bool BubbleFinder::find(const AirFrame& frame) {
     rims_.push_back({face_pocket_[rim.face], a, b, frame.feet[a], frame.feet[b]});
   }
   close_pockets();
+  close_patches(frame.positions);
   adhere(frame.gaps);
   return std::any_of(pockets_.begin(), pockets_.end(), [](const AirPocket& pocket) { return !pocket.open; });
 }
@@ -114,7 +124,8 @@ bool BubbleFinder::find(const AirFrame& frame) {
 // Hysteresis in space, and a touch counts only once it has lasted: so a point that rattles between the two
 // gaps, or in and out of them, parts nothing. A release counts at once, or a fast lift would be late.
 bool BubbleFinder::update_touch(std::span<const double> gaps) {
-  bool changed = fresh_;
+  bool changed = fresh_ || repaint_;
+  repaint_ = false;
   const double touch = settings_.touch_gap, release = settings_.release_gap;
   for (int i = 0; i < topology_.points; ++i) {
     const bool near = gaps[i] <= touch;
@@ -138,28 +149,40 @@ bool BubbleFinder::update_touch(std::span<const double> gaps) {
         std::isfinite(gaps[face[0]]) && std::isfinite(gaps[face[1]]) && std::isfinite(gaps[face[2]]);
     const bool touches = touching_[face[0]] && touching_[face[1]] && touching_[face[2]];
     const char airy = topology_.closed[f] ? 1 : reach && (settings_.bubbles == Bubbles::kOne || !touches);
-    if (airy != airy_[f]) {
+    if (airy != airy_[f] || char(reach) != reachable_[f]) {
       airy_[f] = airy;
+      reachable_[f] = reach;
       changed = true;
     }
   }
   return changed;
 }
 
+// Faces with air under them that have a point in common. A line of contact without a face of its own is no
+// seal; and points that two pockets share would feel one of them late.
 void BubbleFinder::group() {
   for (std::size_t f = 0; f < parents_.size(); ++f) parents_[f] = static_cast<int>(f);
+  std::fill(point_face_.begin(), point_face_.end(), kNone);
   const DisjointSets sets(parents_);
-  const bool one = settings_.bubbles == Bubbles::kOne;
-  for (const AirTopology::Edge& edge : topology_.edges) {
-    if (edge.other < 0 || !airy(edge.face) || !airy(edge.other)) continue;
-    if (topology_.closed[edge.face] || one || !wholly_touching(edge)) sets.unite(edge.face, edge.other);
-  }
-  if (!one) return;
-  int first = -1;  // pieces of an open cloth share the one bubble
+  int first = kNone;  // pieces of an open cloth share the thesis' one bubble
   for (std::size_t f = 0; f < parents_.size(); ++f) {
-    if (!airy_[f] || topology_.closed[f]) continue;
-    if (first < 0) first = static_cast<int>(f);
-    sets.unite(first, static_cast<int>(f));
+    if (!airy_[f]) continue;
+    const int face = static_cast<int>(f);
+    join_by_points(face);
+    if (settings_.bubbles != Bubbles::kOne || topology_.closed[f]) continue;
+    if (first == kNone) first = face;
+    sets.unite(first, face);
+  }
+}
+
+void BubbleFinder::join_by_points(int face) {
+  for (const int point : topology_.faces[face]) {
+    int& known = point_face_[point];
+    if (known == kNone) {
+      known = face;
+    } else {
+      DisjointSets(parents_).unite(known, face);
+    }
   }
 }
 
@@ -167,6 +190,7 @@ void BubbleFinder::group() {
 void BubbleFinder::number_pockets() {
   std::swap(face_pocket_, old_face_pocket_);
   std::swap(pockets_, old_pockets_);
+  old_bubble_count_ = bubble_count_;
   pockets_.clear();
   bubbles_.clear();
   const DisjointSets sets(parents_);
@@ -186,6 +210,69 @@ void BubbleFinder::number_pockets() {
       face_pocket_[f] = face_pocket_[root];
     }
   }
+  bubble_count_ = static_cast<int>(pockets_.size());
+}
+
+// Bubbles that have a point in common feel each other's pressure late; kShared marks it.
+void BubbleFinder::mark_points() {
+  std::fill(point_pocket_.begin(), point_pocket_.end(), kNone);
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (face_pocket_[f] < 0 || topology_.closed[f]) continue;
+    for (const int point : topology_.faces[f]) {
+      int& pocket = point_pocket_[point];
+      pocket = pocket == kNone || pocket == face_pocket_[f] ? face_pocket_[f] : kShared;
+    }
+  }
+}
+
+// The faces of a patch round a bubble: its air has access to them. Those between two bubbles stay without.
+void BubbleFinder::add_ring() {
+  mark_points();
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (airy_[f] || !reachable_[f]) continue;
+    int ring = kNone;
+    for (const int point : topology_.faces[f]) {
+      const int pocket = point_pocket_[point];
+      if (pocket == kNone || pocket == ring) continue;
+      ring = ring == kNone ? pocket : kShared;
+    }
+    if (ring >= 0) face_pocket_[f] = ring;
+  }
+  mark_points();
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (airy_[f] || face_pocket_[f] < 0) continue;
+    for (const int point : topology_.faces[f]) {
+      if (point_pocket_[point] == kShared) face_pocket_[f] = -1;
+    }
+  }
+}
+
+// What touches, is wet and has no point in common with a bubble, joined by points.
+void BubbleFinder::add_patches() {
+  const auto in_patch = [this](int f) {
+    if (f < 0 || face_pocket_[f] >= 0 || airy_[f] || !reachable_[f]) return false;
+    const Triangle& face = topology_.faces[f];
+    return std::all_of(face.begin(), face.end(), [this](int point) {
+      return saturation_[point] >= settings_.wet && point_pocket_[point] == kNone;
+    });
+  };
+  const DisjointSets sets(parents_);
+  std::fill(point_face_.begin(), point_face_.end(), kNone);
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (in_patch(static_cast<int>(f))) join_by_points(static_cast<int>(f));
+  }
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (!in_patch(static_cast<int>(f))) continue;
+    const int root = sets.find(static_cast<int>(f));
+    if (root != static_cast<int>(f)) {
+      face_pocket_[f] = face_pocket_[root];
+      continue;
+    }
+    face_pocket_[f] = static_cast<int>(pockets_.size());
+    pockets_.emplace_back();
+    bubbles_.emplace_back();
+    bubbles_.back().patch = true;
+  }
 }
 
 void BubbleFinder::exchange(double dt, std::span<const double> volumes) {
@@ -195,7 +282,7 @@ void BubbleFinder::exchange(double dt, std::span<const double> volumes) {
     AirPocket& pocket = pockets_[i];
     const Bubble& bubble = bubbles_[i];
     const double volume = volumes[i];
-    if (bubble.thin || !(volume > 0)) continue;
+    if (bubble.patch || bubble.thin || !(volume > 0)) continue;
     if (pocket.open) {
       vent(static_cast<int>(i), pocket.air - ambient * volume);
       continue;
@@ -242,6 +329,7 @@ void BubbleFinder::drop_all() {
   std::fill(airy_.begin(), airy_.end(), 0);
   pockets_.clear();
   bubbles_.clear();
+  bubble_count_ = 0;
   rims_.clear();
   rim_list_.clear();
   fresh_ = true;

@@ -34,6 +34,7 @@ struct Bubble {
   bool closed = false;    // by its own faces
   bool thin = false;      // its air rests on the contact patch
   bool folded = false;    // its volume is negative
+  bool patch = false;     // no bubble, but a contact patch that suction holds
 };
 
 // What the search did and left out, since the cloth was made.
@@ -75,6 +76,7 @@ class BubbleFinder {
   double volume(int pocket, std::span<const Vec3> positions) const;
 
   std::span<const int> face_pockets() const { return face_pocket_; }  // -1: none
+  // Bubbles first, then contact patches.
   std::span<const AirPocket> pockets() const { return pockets_; }
   std::span<const Bubble> bubbles() const { return bubbles_; }
   std::span<const RimQuad> rims() const { return rims_; }
@@ -104,6 +106,15 @@ class BubbleFinder {
   bool update_touch(std::span<const double> gaps);
   void group();
   void number_pockets();
+  void join_by_points(int face);
+  void mark_points();
+  void add_ring();
+  void add_patches();
+  // Patches are no bubbles: -1.
+  int bubble_of(int face) const { return face_pocket_[face] < bubble_count_ ? face_pocket_[face] : -1; }
+  int old_bubble_of(std::size_t face) const {
+    return old_face_pocket_[face] < old_bubble_count_ ? old_face_pocket_[face] : -1;
+  }
   void measure_faces(const AirFrame& frame);
   double air_before_moving() const;
   void move_air();
@@ -113,6 +124,7 @@ class BubbleFinder {
   void measure_rims(std::span<const double> gaps);
   void measure_pockets(const AirFrame& frame);
   void close_pockets();
+  void close_patches(std::span<const Vec3> positions);
   void adhere(std::span<const double> gaps);
   void drop_all();
   void vent(int pocket, double air);
@@ -121,9 +133,12 @@ class BubbleFinder {
   bool airy(int face) const { return airy_[face] != 0; }
   bool wholly_touching(const AirTopology::Edge& edge) const { return touching_[edge.a] && touching_[edge.b]; }
 
+  static constexpr int kNone = -1, kShared = -2;
+
   AirTopology topology_;
   AirSettings settings_;
   bool fresh_ = true;        // there are no bubbles to go on from
+  bool repaint_ = false;     // saturation or settings have changed
   bool started_ = false;     // there have been some
   bool wet_ = false;         // some point is
   bool has_closed_ = false;  // some face belongs to a closed shell
@@ -131,10 +146,12 @@ class BubbleFinder {
   std::vector<double> dry_pores_;  // share of each face's pores without water
   std::vector<char> touching_;
   std::vector<int> touch_frames_;
-  std::vector<char> airy_;  // per face: has a point that does not touch, all within reach
-  std::vector<int> face_pocket_, old_face_pocket_, parents_;
+  std::vector<char> airy_;       // per face: has a point that does not touch, all within reach
+  std::vector<char> reachable_;  // per face
+  std::vector<int> face_pocket_, old_face_pocket_, parents_, point_pocket_, point_face_;
   std::vector<double> face_volume_, parked_;
   std::vector<AirPocket> pockets_, old_pockets_;
+  int bubble_count_ = 0, old_bubble_count_ = 0;  // what comes after them are patches
   std::vector<Bubble> bubbles_;
   std::vector<double> old_weight_, old_area_;
   std::vector<int> old_children_, seen_by_, face_order_, order_cursor_;

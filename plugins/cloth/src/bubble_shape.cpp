@@ -20,7 +20,7 @@ double prism(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p, const V
 
 void BubbleFinder::measure_faces(const AirFrame& frame) {
   for (std::size_t f = 0; f < face_volume_.size(); ++f) {
-    if (!airy_[f]) {
+    if (bubble_of(static_cast<int>(f)) < 0) {
       face_volume_[f] = 0;
       continue;
     }
@@ -35,10 +35,11 @@ void BubbleFinder::measure_faces(const AirFrame& frame) {
 void BubbleFinder::measure_pockets(const AirFrame& frame) {
   for (std::size_t i = 0; i < pockets_.size(); ++i) {
     Bubble& bubble = bubbles_[i];
-    const bool closed = bubble.closed, thin = bubble.thin;
+    const bool closed = bubble.closed, thin = bubble.thin, patch = bubble.patch;
     bubble = Bubble{};
     bubble.closed = closed;
     bubble.thin = thin;
+    bubble.patch = patch;
     pockets_[i].closure = 0;
   }
   const auto& x = frame.positions;
@@ -54,7 +55,7 @@ void BubbleFinder::measure_pockets(const AirFrame& frame) {
     bubble.volume += face_volume_[f];
     bubble.open_weave += area * dry_pores_[f];
     if (bubble.closed) continue;
-    pockets_[pocket].closure -= cone(p[a], p[b], p[c]);
+    if (!bubble.patch) pockets_[pocket].closure -= cone(p[a], p[b], p[c]);
     bubble.facing +=
         (x[b] - x[a]).cross(x[c] - x[a]).dot(frame.normals[a] + frame.normals[b] + frame.normals[c]) / 6;
   }
@@ -71,8 +72,8 @@ void BubbleFinder::measure_pockets(const AirFrame& frame) {
     counts_.folded += bubble.folded;
     const double thickness = bubble.volume / bubble.area;
     const double least = settings_.min_thickness * (bubble.thin ? 2 : 1);
-    bubble.thin =
-        settings_.bubbles == Bubbles::kFound && !bubble.closed && thickness >= 0 && thickness < least;
+    bubble.thin = settings_.bubbles == Bubbles::kFound && !bubble.closed && !bubble.patch && thickness >= 0 &&
+                  thickness < least;
   }
 }
 
@@ -124,6 +125,7 @@ void BubbleFinder::close_pockets() {
     pocket.min_pressure =
         settings_.limit_suction ? std::min(settings_.vapour_pressure, settings_.ambient) : 0.0;
     pocket.open = bubble.thin;
+    if (bubble.patch) continue;
     const int end = rim_end(static_cast<int>(i));
     for (int r = bubble.rim_begin; settings_.vent && !pocket.open && r < end; ++r) {
       pocket.open = rim_list_[r].free && rim_list_[r].gap > settings_.bridge_gap;
@@ -134,6 +136,22 @@ void BubbleFinder::close_pockets() {
     }
     counts_.open += pocket.open;
   }
+}
+
+// A patch counts its volume from where it is now: suction lets none of it open, and pushes nothing.
+void BubbleFinder::close_patches(std::span<const Vec3> positions) {
+  if (bubble_count_ == static_cast<int>(pockets_.size())) return;
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    const int pocket = face_pocket_[f];
+    if (pocket < bubble_count_) continue;
+    const auto [a, b, c] = topology_.faces[f];
+    pockets_[pocket].closure -= cone(positions[a], positions[b], positions[c]);
+  }
+  for (const RimQuad& rim : rims_) {
+    if (rim.pocket < bubble_count_) continue;
+    pockets_[rim.pocket].closure -= cone(positions[rim.b], positions[rim.a], rim.foot_a, rim.foot_b);
+  }
+  for (std::size_t i = bubble_count_; i < pockets_.size(); ++i) pockets_[i].max_gauge = 0;
 }
 
 void BubbleFinder::adhere(std::span<const double> gaps) {
@@ -148,7 +166,7 @@ void BubbleFinder::adhere(std::span<const double> gaps) {
     if (border_point_[i]) hold(i);
   }
   for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
-    if (face_pocket_[f] < 0 || topology_.closed[f]) continue;
+    if (!airy_[f] || topology_.closed[f]) continue;
     for (const int point : topology_.faces[f]) hold(point);
   }
 }

@@ -291,6 +291,9 @@ void Cloth::State::end_air(double step, NearColliders& near) {
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const AirPocket& pocket = finder.pockets()[i];
     const Bubble& bubble = finder.bubbles()[i];
+    if (bubble.patch) {
+      continue;
+    }
     bubbles.push_back({bubble.faces, bubble.area, volumes[i],
                        pocket.open ? pocket.ambient : pocket.ambient + states[i].gauge, pocket.air,
                        pocket.open});

@@ -191,7 +191,8 @@ void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
   } else if (s > 0) {
     q = (root - b) / (2 * s);
   }
-  gauges_[i] = std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction});
+  gauges_[i] =
+      std::min(std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction}), pocket.max_gauge);
 }
 
 // -K ln V + p_a V, straight where the pressure is at its least. J.
@@ -204,7 +205,7 @@ double SweepStepper<T>::air_energy() const {
     const double v = volumes_[i];
     const double least = std::max({pocket.min_pressure, pocket.ambient - pocket.max_suction, 0.0});
     if (pocket.air <= 0) {
-      energy += (pocket.ambient - least) * v;
+      energy += (pocket.ambient - least) * (pocket.max_gauge > 0 ? v : std::max(v, 0.0));
       continue;
     }
     const double thin = least > 0 ? pocket.air / least : HUGE_VAL;  // from this volume on

@@ -28,6 +28,10 @@ struct AirSettings {
   int lifetime = 3;             // frames, 1 to 1000, that a touch has to last before it parts bubbles
   double min_thickness = 1e-5;  // m, 0 to 1; the air of a thinner bubble rests on the contact patch
 
+  // A wet patch that touches lets no air in from below: it lifts only where suction is at its limit. Bubbles
+  // take the faces next to them along, so that peeling from a bubble's border is free.
+  bool patch_suction = true;
+
   // Limits of suction.
   bool limit_suction = true;        // by the bubble point of the wet weave and by vapour pressure
   double surface_tension = 0.0728;  // N/m, 0 to 10; water at 20 degrees
