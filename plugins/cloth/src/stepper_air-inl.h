@@ -191,8 +191,9 @@ void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
   } else if (s > 0) {
     q = (root - b) / (2 * s);
   }
-  gauges_[i] =
-      std::min(std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction}), pocket.max_gauge);
+  // Without air there is nothing to push with, not even where a fold makes the volume negative.
+  const double most = pocket.air > 0 ? pocket.max_gauge : std::min(0.0, pocket.max_gauge);
+  gauges_[i] = std::min(std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction}), most);
 }
 
 // -K ln V + p_a V, straight where the pressure is at its least. J.
@@ -205,7 +206,7 @@ double SweepStepper<T>::air_energy() const {
     const double v = volumes_[i];
     const double least = std::max({pocket.min_pressure, pocket.ambient - pocket.max_suction, 0.0});
     if (pocket.air <= 0) {
-      energy += (pocket.ambient - least) * (pocket.max_gauge > 0 ? v : std::max(v, 0.0));
+      energy += (pocket.ambient - least) * std::max(v, 0.0);
       continue;
     }
     const double thin = least > 0 ? pocket.air / least : HUGE_VAL;  // from this volume on

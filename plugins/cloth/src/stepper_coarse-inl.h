@@ -44,7 +44,10 @@ template <class T>
 void SweepStepper<T>::measure_air() {
   if (!air_) return;
   measure_volumes();
-  for (std::size_t p = 0; p < gauges_.size(); ++p) solve_gauge(p, {});
+  // Where there is no air, the sign of a rounding would decide: as it was.
+  for (std::size_t p = 0; p < gauges_.size(); ++p) {
+    if (in_->pockets[p].air > 0) solve_gauge(p, {});
+  }
 }
 
 template <class T>

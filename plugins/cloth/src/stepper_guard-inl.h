@@ -66,11 +66,24 @@ void SweepStepper<T>::damp(double excess) {
   }
 }
 
+// Back to the start of the small step, at rest but for what hands do.
+template <class T>
+void SweepStepper<T>::restore() {
+  using A = SweepArrays<T>;
+  for (int k = 0; k < 3; ++k) std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
+  for (const Hand& hand : hands_) {
+    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+  }
+  measure_air();
+}
+
 template <class T>
 void SweepStepper<T>::guard() {
-  if (!in_->settings.guard) return;
+  before_ = work_;
   work_ += work();
-  if (calm_ >= kCalm && ++unchecked_ < kCalmEvery) {
+  const bool last = time_ + 1.5 * h_ > dt_;  // what is told next may change the energy
+  const double wild = 0.25 * in_->pattern.spacing * in_->pattern.spacing;
+  if (calm_ >= kCalm && ++unchecked_ < kCalmEvery && !last && farthest_ < wild) {
     ++profile.guard_skipped;
     return;
   }
@@ -82,35 +95,35 @@ void SweepStepper<T>::guard() {
   const auto excess = [&] {
     return energy - energy_ - work_ - rounding * (std::abs(energy_) + std::abs(work_));
   };
-  if (excess() > 0) {
-    calm_ = 0;
+  const auto fair = [&] { return excess() <= 0; };  // not when a number is not finite
+  calm_ = fair() ? calm_ + 1 : 0;
+  if (!fair() && std::isfinite(energy)) {
     ++profile.guard_sweeps;
     work_ -= work();
     sweep();
     finish();
     work_ += work();
     energy = total_energy(&kinetic);
-  } else {
-    ++calm_;
   }
-  if (excess() > kinetic) {
+  if (!(excess() <= kinetic)) {
     // The way there led uphill: from the start of the small step, where the energy was fair.
     ++profile.guard_restarts;
-    work_ -= work();
-    using A = SweepArrays<T>;
-    for (int k = 0; k < 3; ++k) {
-      std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
-    }
-    for (const Hand& hand : hands_) {
-      if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
-    }
-    measure_air();
+    const double before = work_;
+    restore();
     for (int i = 0; i < 2 * in_->settings.sweeps; ++i) sweep();
     finish();
-    work_ += work();
+    work_ = before_ + work();
+    energy = total_energy(&kinetic);
+    if (!std::isfinite(before) || !std::isfinite(energy)) ++profile.non_finite;
+  }
+  if (!(excess() <= kinetic)) {
+    restore();
+    finish();
+    work_ = before_;
+    for (int k = 0; k < 3; ++k) std::fill_n(arrays_.field(SweepArrays<T>::kC + k), arrays_.slots, T(0));
     energy = total_energy(&kinetic);
   }
-  if (excess() > 0) {
+  if (!fair()) {
     ++profile.guard_damped;
     damp(excess());
     energy = total_energy(&kinetic);

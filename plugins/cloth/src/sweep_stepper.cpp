@@ -128,7 +128,7 @@ void SweepStepper<T>::sweep_colour(int colour) {
     kernels_.move(data_, plan, nullptr, nullptr);
   }
   std::fill(change_.begin(), change_.end(), 0.0);
-  kernels_.commit(data_, plan, air_, change_.data());
+  farthest_ = std::max(farthest_, kernels_.commit(data_, plan, air_, change_.data()));
   for (std::size_t p = 0; p < change_.size(); ++p) volumes_[p] += change_[p];
   for (const Hand& hand : hands_) {
     if (!hand.limited || hand.colour != colour) continue;
@@ -185,6 +185,7 @@ void SweepStepper<T>::substep() {
   for (const ColourPlan& plan : in_->layout.colours) {
     kernels_.measure_dampers(data_, plan, arrays_.springs.get());
   }
+  farthest_ = 0;
   begin_air();
   const int every = in_->settings.coarse_every;
   const bool coarse = every > 0 && profile.substeps % every == 0;
@@ -195,7 +196,7 @@ void SweepStepper<T>::substep() {
   if (coarse) coarse_step();
   for (int i = 0; i < std::max(1, in_->settings.sweeps - first); ++i) sweep();
   finish();
-  guard();
+  if (in_->settings.guard) guard();
   report();
   for (std::size_t p = 0; p < pocket_states_.size(); ++p) pocket_states_[p] = {volumes_[p], gauges_[p]};
   time_ += h_;

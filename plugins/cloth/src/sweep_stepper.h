@@ -102,6 +102,7 @@ class SweepStepper final : public ClothStepper {
   double total_energy(double* kinetic) const;
   double work() const;
   void damp(double excess);
+  void restore();
   void guard();
 
   // stepper_report-inl.h
@@ -140,6 +141,8 @@ class SweepStepper final : public ClothStepper {
   std::vector<double> inertia_, bubble_, bubble_way_;
 
   double energy_ = 0, work_ = 0;  // J, when last checked; since then
+  double before_ = 0;             // the work before this small step
+  double farthest_ = 0;           // m2, square of the longest move of a sweep in this small step
   int calm_ = 0, unchecked_ = 0;  // checks in a row that were fair, small steps since the last one
 
   bool air_ = false;  // some pocket has a pressure
