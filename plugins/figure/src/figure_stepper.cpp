@@ -6,56 +6,77 @@
 #include "group_motion.h"
 #include "runge_kutta.h"
 #include "softpoint/core/error.h"
+#include "stepper_impl.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
 PrescribedMotion::~PrescribedMotion() = default;
 
-struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
-  Impl(const FigureModel& model, FigureState start, Integrator how)
-      : dynamics(model), integrator(how), state(std::move(start)) {
-    check_state(model, state);
-    next = state;
-    stage = state;
-    const auto n = static_cast<std::size_t>(model.velocity_count());
-    increment.resize(n);
-    acceleration.resize(n);
-    for (int i = 0; i < 6; ++i) {
-      rates[i].resize(n);
-      accelerations[i].resize(n);
+FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrator how)
+    : dynamics(model), integrator(how), state(std::move(start)) {
+  check_state(model, state);
+  next = stage = begin = state;
+  const auto n = static_cast<std::size_t>(model.velocity_count());
+  const auto links = static_cast<std::size_t>(model.link_count());
+  for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction}) v->resize(n);
+  for (int i = 0; i < 6; ++i) {
+    rates[i].resize(n);
+    accelerations[i].resize(n);
+  }
+  chosen.assign(links, 1);
+  joints = std::make_unique<bool[]>(links);
+  standing.reserve(links);
+  events.reserve(64);
+  for (int i = 0; i < model.link_count(); ++i) {
+    const Link& link = model.links()[static_cast<std::size_t>(i)];
+    const bool has_range = link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic;
+    if (has_range && (link.lower > -1e9 || link.upper < 1e9)) {
+      limited.push_back({i, model.position_offset(i), model.velocity_offset(i), link.lower, link.upper});
     }
   }
+  stops.assign(limited.size(), Stop::kFree);
+  candidates = leaning = stops;
+  grazing.assign(limited.size(), 0);
+  set_joints();
+}
 
-  // The prescribed joints at a time, in `to`; their accelerations in `qdd`.
-  void prescribe(double at, FigureState& to, std::vector<double>& qdd) {
-    const FigureModel& model = dynamics.model();
-    for (int i = 0; i < model.link_count(); ++i) {
-      if (dynamics.dynamic(i)) continue;
-      const JointKind kind = model.links()[static_cast<std::size_t>(i)].joint;
-      const auto q = static_cast<std::size_t>(model.position_offset(i));
-      const auto v = static_cast<std::size_t>(model.velocity_offset(i));
-      for (std::size_t k = 0; k < static_cast<std::size_t>(position_count(kind)); ++k)
-        to.q[q + k] = state.q[q + k];
-      for (std::size_t k = 0; k < static_cast<std::size_t>(velocity_count(kind)); ++k)
-        to.qd[v + k] = qdd[v + k] = 0;
-    }
-    if (motion != nullptr) motion->evaluate(at, to.q.data(), to.qd.data(), qdd.data());
+void FigureStepper::Impl::set_joints() {
+  const std::size_t links = chosen.size();
+  for (std::size_t i = 0; i < links; ++i) joints[i] = chosen[i] != 0;
+  for (std::size_t i = 0; i < limited.size(); ++i) {
+    if (stops[i] != Stop::kFree) joints[static_cast<std::size_t>(limited[i].link)] = false;
   }
+  standing.clear();
+  for (std::size_t i = 0; i < links; ++i) {
+    if (!joints[i]) standing.push_back(static_cast<int>(i));
+  }
+  dynamics.set_dynamic({joints.get(), links});
+}
 
-  void step_by_stages(double dt);
-  void step_as_paper(double dt);
+void FigureStepper::Impl::prescribe(double at, FigureState& to, std::vector<double>& qdd) {
+  const FigureModel& model = dynamics.model();
+  for (const int i : standing) {
+    const JointKind kind = model.links()[static_cast<std::size_t>(i)].joint;
+    const auto q = static_cast<std::size_t>(model.position_offset(i));
+    const auto v = static_cast<std::size_t>(model.velocity_offset(i));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(position_count(kind)); ++k)
+      to.q[q + k] = state.q[q + k];
+    for (std::size_t k = 0; k < static_cast<std::size_t>(velocity_count(kind)); ++k)
+      to.qd[v + k] = qdd[v + k] = 0;
+  }
+  if (motion != nullptr) motion->evaluate(at, to.q.data(), to.qd.data(), qdd.data());
+}
 
-  FigureDynamics dynamics;
-  Integrator integrator;
-  FigureState state, next, stage;
-  const PrescribedMotion* motion = nullptr;
-  double time = 0;
-  long long guard_fired = 0;
-  std::vector<double> increment, acceleration;
-  std::vector<double> rates[6], accelerations[6];
-};
+void FigureStepper::Impl::advance(double dt) {
+  if (integrator == Integrator::kPaper) {
+    advance_as_paper(dt);
+  } else {
+    advance_by_stages(dt);
+  }
+  if (!standing.empty()) prescribe(time + dt, next, acceleration);
+}
 
-void FigureStepper::Impl::step_by_stages(double dt) {
+void FigureStepper::Impl::advance_by_stages(double dt) {
   const ButcherTable& table = butcher_table(integrator);
   const FigureModel& model = dynamics.model();
   const std::size_t n = state.qd.size();
@@ -73,7 +94,7 @@ void FigureStepper::Impl::step_by_stages(double dt) {
   };
   for (int i = 0; i < table.stages; ++i) {
     look_ahead(table.a[i], i, stage);
-    prescribe(time + table.c[i] * dt, stage, accelerations[i]);
+    if (!standing.empty()) prescribe(time + table.c[i] * dt, stage, accelerations[i]);
     dynamics.forward(stage.q.data(), stage.qd.data(), nullptr, accelerations[i].data());
     increment_rate(model, increment.data(), stage.qd.data(), rates[i].data());
   }
@@ -81,14 +102,40 @@ void FigureStepper::Impl::step_by_stages(double dt) {
 }
 
 // Equations (5) and (6) of the paper.
-void FigureStepper::Impl::step_as_paper(double dt) {
-  prescribe(time, state, acceleration);
+void FigureStepper::Impl::advance_as_paper(double dt) {
+  if (!standing.empty()) prescribe(time, state, acceleration);
   dynamics.forward(state.q.data(), state.qd.data(), nullptr, acceleration.data());
   for (std::size_t k = 0; k < state.qd.size(); ++k) {
-    next.qd[k] = state.qd[k] + dt * acceleration[k];
+    next.qd[k] = (state.qd[k] + dt * acceleration[k]) * std::exp(dt * friction[k]);
     increment[k] = dt * next.qd[k];
   }
   move_by(dynamics.model(), state.q.data(), increment.data(), next.q.data());
+}
+
+bool FigureStepper::Impl::finite() const {
+  const auto is = [](double x) { return std::isfinite(x); };
+  return std::all_of(next.q.begin(), next.q.end(), is) && std::all_of(next.qd.begin(), next.qd.end(), is);
+}
+
+bool FigureStepper::step(double dt) {
+  check_range("dt", dt, 1e-9, 1);
+  Impl& m = *impl_;
+  m.events.clear();
+  const double end = m.time + dt;
+  if (m.limits == LimitMode::kExact) {
+    m.step_with_stops(dt);
+  } else if (m.limits == LimitMode::kPaper) {
+    m.step_as_paper_with_limits(dt);
+  } else {
+    m.advance(dt);
+  }
+  m.time = end;
+  if (!m.finite()) {
+    ++m.guard_fired;
+    return false;
+  }
+  std::swap(m.state, m.next);
+  return true;
 }
 
 FigureStepper::FigureStepper(const FigureModel& model, FigureState state, Integrator integrator)
@@ -103,36 +150,9 @@ void FigureStepper::set_prescribed_motion(const PrescribedMotion* motion) { impl
 const FigureState& FigureStepper::state() const { return impl_->state; }
 double FigureStepper::time() const { return impl_->time; }
 long long FigureStepper::guard_fired() const { return impl_->guard_fired; }
-
-void FigureStepper::set_state(FigureState state) {
-  check_state(impl_->dynamics.model(), state);
-  impl_->state = std::move(state);
-}
-
-void FigureStepper::set_time(double time) {
-  check_range("time", time, -1e9, 1e9);
-  impl_->time = time;
-}
-
-bool FigureStepper::step(double dt) {
-  check_range("dt", dt, 1e-9, 1);
-  Impl& m = *impl_;
-  if (m.integrator == Integrator::kPaper) {
-    m.step_as_paper(dt);
-  } else {
-    m.step_by_stages(dt);
-  }
-  m.prescribe(m.time + dt, m.next, m.acceleration);
-  const auto finite = [](double x) { return std::isfinite(x); };
-  m.time += dt;
-  if (!std::all_of(m.next.q.begin(), m.next.q.end(), finite) ||
-      !std::all_of(m.next.qd.begin(), m.next.qd.end(), finite)) {
-    ++m.guard_fired;
-    return false;
-  }
-  std::swap(m.state, m.next);
-  return true;
-}
+LimitMode FigureStepper::limits() const { return impl_->limits; }
+std::span<const LimitEvent> FigureStepper::events() const { return impl_->events; }
+const LimitCounts& FigureStepper::limit_counts() const { return impl_->counts; }
 
 double FigureStepper::energy() {
   Impl& m = *impl_;

@@ -16,6 +16,24 @@ class SOFTPOINT_API PrescribedMotion {
   virtual void evaluate(double time, double* q, double* qd, double* qdd) const = 0;
 };
 
+// A joint that met its range or left it.
+struct LimitEvent {
+  double time = 0;  // s
+  int link = 0;
+  int side = 0;         // -1 lower, +1 upper
+  bool impact = false;  // else release
+};
+
+// What keeping the ranges has cost and come to.
+struct LimitCounts {
+  long long impacts = 0, releases = 0;
+  long long passes = 0;      // of the dynamics to find who leans on a stop
+  long long resteps = 0;     // steps taken again to locate an event
+  long long capped = 0;      // steps of more than 1000 parts, the rest of which stopped joints at its end
+  long long wrong_sign = 0;  // kPaper: joints held by a torque that pulls towards the stop
+  long long unfinished = 0;  // searches that did not come to an end (kPaper: steps)
+};
+
 // Moves one figure through time without torques, from a state and under gravity. A step allocates nothing.
 class SOFTPOINT_API FigureStepper {
  public:
@@ -25,9 +43,21 @@ class SOFTPOINT_API FigureStepper {
   FigureStepper(FigureStepper&&) noexcept;
   FigureStepper& operator=(FigureStepper&&) noexcept;
 
-  // Gravity, dynamic joints, readings. What is prescribed without a motion stands still.
+  // Gravity and readings; its dynamic joints are set by the stepper.
   FigureDynamics& dynamics();
   const FigureDynamics& dynamics() const;
+  // Which links' joints are dynamic, one flag a link; all to begin with. What is prescribed without a motion
+  // stands still.
+  void set_dynamic(std::span<const bool> links);
+
+  // Refused: kPaper with another integrator, kExact with the paper's; a state outside the ranges.
+  void set_limits(LimitMode mode);
+  LimitMode limits() const;
+  // The paper's friction of step (7): the factor, 0 to 1, by which a link's joint slows in `reference_dt` s.
+  void set_paper_friction(int link, double factor, double reference_dt = 1.0 / 30);
+  // Events of the last step, in order; at most 64 are kept.
+  std::span<const LimitEvent> events() const;
+  const LimitCounts& limit_counts() const;
   // Kept by reference, null for none; taken on at the next step.
   void set_prescribed_motion(const PrescribedMotion* motion);
 

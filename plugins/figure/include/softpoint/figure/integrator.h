@@ -16,4 +16,13 @@ SOFTPOINT_API const char* name(Integrator integrator);
 // Its order of convergence.
 SOFTPOINT_API int order(Integrator integrator);
 
+// How the range [lower, upper] of hinges and prismatic joints is kept.
+enum class LimitMode {
+  kNone,
+  kPaper,  // steps (1) to (11) of the paper, read cumulatively; with Integrator::kPaper only
+  kExact,  // inelastic stops: impact and release located inside the step, no torque that pulls
+};
+// "none", "paper", "exact".
+SOFTPOINT_API const char* name(LimitMode mode);
+
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <vector>
+
+#include "softpoint/figure/figure_stepper.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::figure {
+
+// Where a joint stands against its range.
+enum class Stop : signed char { kLower = -1, kFree = 0, kUpper = 1 };
+
+struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
+  Impl(const FigureModel& model, FigureState start, Integrator how);
+
+  // The plain step from `state` by `dt` into `next`: what is stopped stands still.
+  void advance(double dt);
+  void advance_by_stages(double dt);
+  void advance_as_paper(double dt);
+  // The prescribed and stopped joints at a time, in `to`; their accelerations in `qdd`.
+  void prescribe(double at, FigureState& to, std::vector<double>& qdd);
+  void set_joints();  // tells the dynamics which joints are dynamic: chosen and not stopped
+
+  // Limits, exact.
+  void step_with_stops(double dt);
+  double advance_to_event(double dt);  // s covered
+  void meet_stops(double at);          // impulses of joints that run against their stops
+  void lean_on_stops(double at);  // who is held and who leaves, by the signs of accelerations and torques
+  bool crosses(std::size_t joint, double length, double& t, double& beyond);
+  double locate_impact(std::size_t joint, double t, double beyond);
+  double locate_release(double length);
+  void torques_of_stops(FigureState& at, double when);
+  void keep_inside();
+  void note(double at, int joint, bool impact);
+
+  // Limits, the paper's.
+  void step_as_paper_with_limits(double dt);
+
+  bool finite() const;
+
+  struct Limited {
+    int link, q, v;
+    double lower, upper;
+  };
+
+  FigureDynamics dynamics;
+  Integrator integrator;
+  LimitMode limits = LimitMode::kNone;
+  FigureState state, next, stage, begin;
+  const PrescribedMotion* motion = nullptr;
+  double time = 0;
+  long long guard_fired = 0;
+  std::vector<double> increment, acceleration, torque, still;
+  std::vector<double> rates[6], accelerations[6];
+
+  std::vector<char> chosen;        // per link: dynamic if nothing stops it
+  std::unique_ptr<bool[]> joints;  // per link, as told to the dynamics
+  std::vector<int> standing;       // links that are not dynamic
+  std::vector<Limited> limited;    // joints with a range
+  std::vector<Stop> stops;         // per limited joint: leaning on it
+  std::vector<Stop> candidates;    // the side that is looked at
+  std::vector<Stop> leaning;       // before it is found out anew
+  std::vector<char> grazing;       // met no stop after all, in this part of the step
+  std::vector<LimitEvent> events;
+  LimitCounts counts;
+  int blows = 0;                 // impacts and releases of this step
+  std::vector<double> friction;  // per degree of freedom: natural logarithm of the factor in 1 s
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::figure
