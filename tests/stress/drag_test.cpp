@@ -11,6 +11,7 @@
 #include "softpoint/core/deformable_system.h"
 #include "support/elastic_bodies.h"
 #include "support/precision.h"
+#include "support/random.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -22,25 +23,6 @@ using elastic::ElasticBody;
 constexpr int kFullBlocks = 30, kFullSteps = 200;
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-
-// A generator of our own: the same numbers with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t start) : state_(start * 2654435769u + 1) {}
-  double unit() {  // [0, 1)
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<double>(state_ >> 11) * 0x1p-53;
-  }
-  double between(double low, double high) { return low + (high - low) * unit(); }
-  int below(int count) { return static_cast<int>(unit() * count); }
-  Vec3 vector(double size) {
-    const double x = between(-size, size), y = between(-size, size), z = between(-size, size);
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 // FNV-1a over the bits of the state.
 class Hash {
