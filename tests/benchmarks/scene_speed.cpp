@@ -1,5 +1,5 @@
-// What the steps of scenes cost: CPU time of this thread, without pictures, measurements and the building of the
-// scene.
+// What the steps of scenes cost: CPU time of this thread, without pictures, measurements and the building of
+// the scene.
 //   build/bin/scene_speed SCENE.json...
 #include <cstdio>
 #include <exception>
@@ -22,11 +22,15 @@ void run(const char* name) {
   scene::Player player(scene::read_scene(name));
   const int frames = player.scene().frames;
   std::vector<double> seconds;
-  double iterations = 0, evaluations = 0, balanced = 0, characters = 0;
+  double iterations = 0, evaluations = 0, balanced = 0, characters = 0, passes = 0, sweeps = 0;
+  long long contacts = 0;
   for (int i = 0; i < frames; ++i) {
     const double start = thread_seconds();
     player.step();
     if (i > 0) seconds.push_back(thread_seconds() - start);  // the first step factors
+    passes += static_cast<double>(player.work().passes);
+    sweeps += static_cast<double>(player.work().iterations);
+    contacts = std::max(contacts, player.work().contacts);
     for (std::size_t k = 0; k < player.deformable_count(); ++k) {
       const auto* const character = dynamic_cast<const elastic::Character*>(&player.deformable(k));
       if (character == nullptr) continue;
@@ -39,6 +43,8 @@ void run(const char* name) {
   }
   std::printf("%s: %d steps, ms: median %.3f, 90 of 100 below %.3f, most %.3f\n", name, frames,
               1e3 * median(seconds), 1e3 * part_of(seconds, 0.9), 1e3 * part_of(seconds, 1.0));
+  std::printf("  contacts: at most %lld; a step: %.2f passes, %.1f sweeps\n", contacts, passes / frames,
+              sweeps / frames);
   if (characters == 0) return;
   std::printf("  a character and step: %.2f iterations, %.2f evaluations; balanced in %.1f %%\n",
               iterations / characters, evaluations / characters, 100 * balanced / characters);

@@ -326,14 +326,19 @@ void Deformable::apply_impulse(int face, const Vec3& weights, const Vec3& impuls
   check_range("apply_impulse: weights", weights, -1e-6, 1.0 + 1e-6);
   check_range("apply_impulse: sum of weights", weights.sum(), 1.0 - 1e-6, 1.0 + 1e-6);
   check_range("apply_impulse: impulse", impulse, -kMaxImpulse, kMaxImpulse);
+  if (impulse.isZero(0)) {
+    return;
+  }
   const Triangle& t = triangles_[static_cast<std::size_t>(face)];
   for (std::size_t k = 0; k < 3; ++k) {
-    impulses_[static_cast<std::size_t>(t[k])] += weights[static_cast<Eigen::Index>(k)] * impulse;
+    queue_impulse(t[k], weights[static_cast<Eigen::Index>(k)] * impulse);
   }
+  wake();
+}
+
+void Deformable::queue_impulse(int point, const Vec3& impulse) {
+  impulses_[static_cast<std::size_t>(point)] += impulse;
   impulses_queued_ = true;
-  if (!impulse.isZero(0)) {
-    wake();
-  }
 }
 
 void Deformable::set_acceleration(const Vec3& acceleration) {

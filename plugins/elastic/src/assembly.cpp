@@ -35,6 +35,8 @@ GroupState::GroupState(const AssemblyDesign& design, const PlacedDesign& placed,
       skinned(group.rest()),
       toward(group.rest()),
       before(group.rest()),
+      carried(group.rest()),
+      settled(Eigen::VectorXd::Zero(group.size())),
       inertia(Eigen::VectorXd::Zero(group.points())),
       held(static_cast<std::size_t>(group.points()), 0),
       ends(group.joints().size(), Hold::kNothing) {}
@@ -179,6 +181,7 @@ void Assembly::hold(const PartEnd& end, Hold what) {
   state.target.segment(first, size) = state.x.segment(first, size);
   state.factored = false;
   state.changed = true;
+  state.settled.setZero();
 }
 
 Hold Assembly::held(const PartEnd& end) const {

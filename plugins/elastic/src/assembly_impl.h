@@ -19,6 +19,8 @@ struct GroupState {
   Eigen::VectorXd skinned;   // m, at which the skin was computed
   Eigen::VectorXd toward;    // m, where inertia would take the points
   Eigen::VectorXd before;    // m, at the start of the step
+  Eigen::VectorXd carried;   // m, to where what holds them took the points
+  Eigen::VectorXd settled;   // m, from there to where the last solve found them
   Eigen::VectorXd inertia;   // kg/s2, one a point
   std::vector<char> held;    // one a point
   std::vector<Hold> ends;    // of each joint
@@ -46,6 +48,7 @@ struct __attribute__((visibility("hidden"))) Assembly::Impl {
   // Forces and energy of a group that was placed but not solved: found when somebody asks.
   static void find_forces(GroupState& state);
   double carry_along(GroupState& state);
+  static void go_on(GroupState& state, double led);
   int predict_bones(GroupState& state);
   void skin(GroupState& state);
   void reserve_skin();

@@ -14,6 +14,10 @@ namespace {
 
 // Ends that move farther than this part of a segment within a step let inverse kinematics begin.
 constexpr double kFar = 0.25;
+// What joints did on their own in the last solve they are taken to do again, if it is no more than this part
+// of a segment and not many times what their holders do: at rest nothing may drift within the tolerance.
+constexpr double kSmall = 0.05;
+constexpr double kLed = 4.0;
 
 void put(Eigen::VectorXd& v, Eigen::Index at, Eigen::Index stride, const Vec3& value) {
   for (Eigen::Index a = 0; a < 3; ++a) v[at + a * stride] = value[a];
@@ -140,6 +144,21 @@ void Assembly::Impl::find_forces(GroupState& state) {
   state.forces_due = false;
 }
 
+// Shapes that change steadily do so by the same small steps.
+void Assembly::Impl::go_on(GroupState& state, double led) {
+  const double most = state.settled.cwiseAbs().maxCoeff();
+  if (!(most > 0.0 && most < std::min(kSmall * state.group.spacing(), kLed * led))) return;
+  for (const PartGroup::Joint& joint : state.group.joints()) {
+    for (Eigen::Index i = 0; i < joint.count; ++i) {
+      if (state.held[static_cast<std::size_t>(joint.first + i)] != 0) continue;
+      for (Eigen::Index a = 0; a < 3; ++a) {
+        const Eigen::Index at = 3 * joint.first + a * joint.count + i;
+        state.x[at] += state.settled[at];
+      }
+    }
+  }
+}
+
 void Assembly::Impl::solve_group(GroupState& state) {
   if (!state.factored) factor(state);
   PartGroup& group = state.group;
@@ -164,8 +183,15 @@ void Assembly::Impl::solve_group(GroupState& state) {
     return;
   }
   if (state.dragged) state.toward = state.x;  // from where the parts were carried
+  state.carried = state.x;
+  go_on(state, farthest);
   const long long products = group.products;
   const JointSolver::Outcome outcome = state.solver.solve(settings, kappa_of(state), state.x, state.toward);
+  if (outcome.balanced) {
+    state.settled = state.x - state.carried;
+  } else {
+    state.settled.setZero();  // on its way to somewhere else
+  }
   state.energy = outcome.energy;
   state.forces_due = false;
   report.products += group.products - products;

@@ -50,12 +50,10 @@ Character::Character(Assembly assembly, const CharacterSettings& settings)
     }
   }
   for (const auto& g : impl.groups) {
-    state.largest_group = std::max(state.largest_group, g->group.size());
     const auto points = static_cast<std::size_t>(g->group.points());
     state.masses.emplace_back(points, 0.0);
     state.dampers.emplace_back(points, 0.0);
-    state.responses.push_back(
-        {Eigen::VectorXd::Zero(g->group.size()), Eigen::VectorXd::Zero(g->group.size())});
+    state.touched.emplace_back().joints.setZero(g->group.size());
     if (settings_.inertia) {
       for (const PartGroup::Segment& segment : g->group.segments()) {
         const SegmentModel& model = *impl.models[static_cast<std::size_t>(segment.model)]->model;
@@ -74,7 +72,6 @@ Character::Character(Assembly assembly, const CharacterSettings& settings)
     }
   }
   state.moves_by_itself = state.moves_by_itself || settings_.inertia;
-  state.shift.assign(positions_.size(), Vec3::Zero());
   state.queued.assign(positions_.size(), Vec3::Zero());
   state.slot_of.assign(positions_.size(), -1);
   for (const auto& m : impl.models) {
@@ -143,19 +140,9 @@ void Character::release(const PartEnd& end) {
 
 double Character::elastic_energy() const { return assembly_.elastic_energy(); }
 
-void Character::apply_impulse(int face, const Vec3& weights, const Vec3& impulse) {
-  check_index("apply_impulse: face", face, static_cast<long long>(triangles_.size()));
-  check_range("apply_impulse: weights", weights, -1e-6, 1.0 + 1e-6);
-  check_range("apply_impulse: sum of weights", weights.sum(), 1.0 - 1e-6, 1.0 + 1e-6);
-  check_range("apply_impulse: impulse", impulse, -kMaxImpulse, kMaxImpulse);
-  const Triangle& t = triangles_[static_cast<std::size_t>(face)];
-  for (std::size_t k = 0; k < 3; ++k) {
-    state_->queued[static_cast<std::size_t>(t[k])] += weights[static_cast<Eigen::Index>(k)] * impulse;
-  }
-  if (!impulse.isZero(0)) {
-    state_->any_queued = true;
-    wake();
-  }
+void Character::queue_impulse(int point, const Vec3& impulse) {
+  state_->queued[static_cast<std::size_t>(point)] += impulse;
+  state_->any_queued = true;
 }
 
 void Character::archive_state(StateArchive& archive) {
@@ -164,13 +151,14 @@ void Character::archive_state(StateArchive& archive) {
   for (const auto& g : impl.groups) {
     for (PartGroup::Segment& segment : g->group.segments()) archive.rotation("frame", segment.rotation);
     for (Eigen::Index i = 0; i < g->target.size(); ++i) archive.number("target", g->target[i]);
+    for (double& moved : g->settled) archive.number("moved by itself", moved);
     for (Hold& hold : g->ends) archive.constant("hold", static_cast<std::uint64_t>(hold));
   }
   archive.vector("velocity", state_->first_velocity);
   archive.vectors("impulses", state_->queued);
   archive.flag("impulses queued", state_->any_queued);
   archive.list("contact forces", state_->forces, static_cast<long long>(positions_.size()),
-               [&](State::SkinForce& f) {
+               [&](SkinForce& f) {
                  archive.integer("point", f.point, 0, static_cast<int>(positions_.size()) - 1);
                  archive.vector("force", f.force);
                });

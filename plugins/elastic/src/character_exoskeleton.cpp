@@ -39,9 +39,7 @@ void Character::put_end(const PartEnd& end, const Vec3& to) {
 // Stiffness (N/m) that the ends of a group of parts show: the largest of their own, everything else
 // following.
 double Character::measure_end_stiffness(int g) {
-  State& state = *state_;
   GroupState& group = *assembly_.impl_->groups[static_cast<std::size_t>(g)];
-  State::Response& r = state.responses[static_cast<std::size_t>(g)];
   double largest = 0;
   Eigen::VectorXd unit = Eigen::VectorXd::Zero(group.group.size());
   Eigen::VectorXd free = unit, force = unit;
@@ -52,9 +50,9 @@ double Character::measure_end_stiffness(int g) {
       const Eigen::Index at = 3 * joint.first + a * joint.count;
       unit.setZero();
       unit[at] = 1.0;
-      group.group.stiffness_product(unit, r.load);
-      r.load = -r.load;
-      group.solver.respond(r.load, free, 1e-3);
+      group.group.stiffness_product(unit, force);
+      free = -force;
+      group.solver.respond(free.data(), 1, 1, state_->scratch);
       free += unit;
       group.group.stiffness_product(free, force);
       largest = std::max(largest, std::abs(force[at]));
@@ -162,7 +160,7 @@ void Character::steady_grounded(ElasticBody& exoskeleton) {
   for (const State::Attachment& a : state.attachments) {
     if (a.exoskeleton != &exoskeleton) continue;
     const Assembly::Impl::Place place = impl.place_of(a.end);
-    const auto touches = [&](const State::SkinForce& f) {
+    const auto touches = [&](const SkinForce& f) {
       return impl.groups[static_cast<std::size_t>(state.skin[static_cast<std::size_t>(f.point)].group)]
                  .get() == place.state;
     };

@@ -17,7 +17,7 @@ Mat3 local_compliance(const SegmentModel& model, int row, int column) {
 
 // Rows of Phi^T for one vertex, in the segment's frame.
 void Character::State::add_joint_load(const Assembly::Impl& impl, int point, const Vec3& force,
-                                      Eigen::VectorXd& load) const {
+                                      Row load) const {
   const SkinPoint& at = skin[static_cast<std::size_t>(point)];
   if (at.segment < 0) {
     for (Eigen::Index a = 0; a < 3; ++a) load[at.at + a * at.stride] += force[a];
@@ -40,8 +40,7 @@ void Character::State::add_joint_load(const Assembly::Impl& impl, int point, con
   }
 }
 
-void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Matrix3Xd& row) const {
-  row.resize(3, largest_row);
+void Character::State::find_row(const Assembly::Impl& impl, int point, Touched& group_touched) const {
   const SkinPoint& at = skin[static_cast<std::size_t>(point)];
   if (at.segment < 0) return;
   const PartGroup& group = impl.groups[static_cast<std::size_t>(at.group)]->group;
@@ -49,32 +48,21 @@ void Character::State::find_row(const Assembly::Impl& impl, int point, Eigen::Ma
   const SegmentModel& model = *group.models()[static_cast<std::size_t>(segment.model)]->model;
   const Eigen::Index free = model.free_points(), count = model.joint_points();
   const Eigen::Map<const Eigen::MatrixXd> phi(model.free_response.data(), 3 * free, 3 * count);
+  const Eigen::Index first = 3 * slot_of[static_cast<std::size_t>(point)];
   for (Eigen::Index i = 0; i < count; ++i) {
     Mat3 block;
     for (Eigen::Index a = 0; a < 3; ++a) {
       for (Eigen::Index b = 0; b < 3; ++b) block(a, b) = phi(a * free + at.free, b * count + i);
     }
-    row.middleCols<3>(3 * i) = segment.rotation * block * segment.rotation.transpose();
-  }
-}
-
-void Character::State::gather(const PartGroup::Segment& segment, int slot) {
-  const auto count = static_cast<Eigen::Index>(segment.at.size());
-  gathered.resize(largest_row, 3);
-  for (Eigen::Index a = 0; a < 3; ++a) {
-    const Eigen::VectorXd& column = columns[static_cast<std::size_t>(slot + a)];
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];
-      const Eigen::Index stride = segment.stride[static_cast<std::size_t>(i)];
-      for (Eigen::Index b = 0; b < 3; ++b) gathered(3 * i + b, a) = column[at + b * stride];
-    }
+    block = segment.rotation * block * segment.rotation.transpose();
+    for (Eigen::Index b = 0; b < 3; ++b) group_touched.rows.block<3, 1>(first, b * count + i) = block.col(b);
   }
 }
 
 // One batched product for each model.
 void Character::State::shift_skin(Assembly::Impl& impl, std::size_t g, std::vector<Vec3>& points) {
   PartGroup& group = impl.groups[g]->group;
-  const Eigen::VectorXd& joints = responses[g].joints;
+  const Eigen::VectorXd& joints = touched[g].joints;
   for (std::size_t m = 0; m < impl.models.size(); ++m) {
     const PackedModel& packed = *impl.models[m];
     const SegmentModel& model = *packed.model;

@@ -18,13 +18,15 @@ struct __attribute__((visibility("hidden"))) Character::State {
     Eigen::Index at = 0, stride = 0;
     std::size_t index = 0;  // of a joint's point, in its group
   };
-  struct SkinForce {
-    int point = 0;
-    Vec3 force = Vec3::Zero();  // N
-  };
-  // Linear response of a group to forces on the skin.
-  struct Response {
-    Eigen::VectorXd load, joints;  // N, m
+  // Points of a group's skin that forces act on in this step, in the order in which they were found, and how
+  // the group gives way to them. Row 3 s + a belongs to axis a of point s.
+  struct Touched {
+    std::vector<int> points;
+    Eigen::MatrixXd columns;     // m/N, of the joints' points by a unit force there
+    Eigen::MatrixXd rows;        // displacement there by the joint points of its segment
+    Eigen::MatrixXd compliance;  // m/N
+    Eigen::VectorXd force;       // N, of respond()
+    Eigen::VectorXd joints;      // m, which answer to it
     bool used = false;
   };
   struct Attachment {
@@ -41,15 +43,12 @@ struct __attribute__((visibility("hidden"))) Character::State {
 
   // From contact and handles: of the last step, and of this one.
   std::vector<SkinForce> forces, forces_now;
-  // Joints' response (m/N) to unit forces on a point of the skin: three columns each, kept for the step.
-  std::vector<Eigen::VectorXd> columns;
-  std::vector<Eigen::Matrix3Xd> rows;  // displacement of a slotted point by the joints of its segment, world
-  Eigen::Index largest_row = 0, largest_group = 0;
-  Eigen::MatrixX3d gathered;        // of one segment's joints, a column for each axis of the force
-  std::vector<int> slot_of;         // of each skin point, its first column; -1
-  std::vector<int> slotted;         // points that have some
-  std::vector<Response> responses;  // of each group
-  std::vector<Vec3> shift;          // m, of each skin point
+  std::vector<int> points_now;
+  std::vector<Touched> touched;  // of each group
+  std::vector<int> slot_of;      // of each skin point, its place among the touched ones of its group; -1
+  Eigen::Index largest_row = 0;  // of a segment's joint points, coordinates
+  Eigen::MatrixXd gathered;      // columns at the joint points of one segment
+  std::vector<double> scratch;   // of the dense kernels
   bool responded = false;
   bool postponed = false;  // the joints are still to be solved, once the exoskeleton has found its place
   bool solved_once = false;
@@ -83,14 +82,17 @@ struct __attribute__((visibility("hidden"))) Character::State {
   Vec3 gravity = Vec3::Zero();
   double dt = 0;
 
-  // Adds the load of the joints by a force on a point of the skin.
-  void add_joint_load(const Assembly::Impl& impl, int point, const Vec3& force, Eigen::VectorXd& load) const;
-  // Displacement (world) of a free vertex by those of its segment's joint points, 3 x 3J; nothing for a
+  using Row = Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  // Adds the load of the joints by a unit force on a point of the skin.
+  void add_joint_load(const Assembly::Impl& impl, int point, const Vec3& force, Row load) const;
+  // Displacement (world) of a free vertex by those of its segment's joint points, axis-major; nothing for a
   // joint's.
-  void find_row(const Assembly::Impl& impl, int point, Eigen::Matrix3Xd& row) const;
-  // Displacements of a segment's joint points under the three forces of a slot.
-  void gather(const PartGroup::Segment& segment, int slot);
-  // Adds the displacements of a whole group's skin by its response's joints.
+  void find_row(const Assembly::Impl& impl, int point, Touched& group) const;
+  // Takes points in among those touched: their columns, rows and compliances with all others.
+  void touch(Assembly::Impl& impl, std::span<const int> more);
+  void find_compliance(const Assembly::Impl& impl, Touched& group, Eigen::Index known);
+  void let_go();
+  // Adds the displacements of a whole group's skin by those of its joints.
   void shift_skin(Assembly::Impl& impl, std::size_t group, std::vector<Vec3>& points);
 };
 

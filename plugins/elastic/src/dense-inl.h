@@ -197,3 +197,8 @@ bool cholesky(double* a, Index n, Index lda, double* scratch) {
 void add_square(double* s, Index m, Index lds, const double* x, Index n, Index ldx, double* scratch) {
   square(s, m, lds, 1.0, x, n, ldx, scratch);
 }
+
+void add_product(Index m, Index n, Index k, double sign, const double* a, Index a_row, Index a_column,
+                 const double* b, Index b_row, Index b_column, double* c, Index ldc, double* scratch) {
+  multiply(m, n, k, sign, {a, a_row, a_column}, {b, b_row, b_column}, c, ldc, scratch);
+}

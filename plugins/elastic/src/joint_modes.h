@@ -4,7 +4,9 @@
 
 #include <vector>
 
+#include "joint_graph.h"
 #include "part_group.h"
+#include "segment_tangent.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
@@ -34,7 +36,6 @@ class JointModes {
     bool held = false;                // all of it: no modes
     bool pinned = false;              // some points of it
     Matrix6 inverse = Matrix6::Zero();
-    std::vector<std::pair<int, int>> couplings;  // {joint eliminated later, index of links_}
     Vector6 value = Vector6::Zero();
   };
   // A block below the diagonal: {eliminated first, later}.
@@ -47,13 +48,12 @@ class JointModes {
     std::vector<int> joints;
     std::vector<double> in, out;
   };
-  int link_of(int first, int later) const;
 
   const PartGroup& group_;
   const Kernels& kernels_;
   bool single_;
   std::vector<Node> nodes_;
-  std::vector<int> order_;  // of elimination
+  JointGraph graph_;
   std::vector<Link> links_;
   std::vector<Warping> warpings_;
   // Stiffness of segments of one model, held alike, against rigid motions of their I interfaces, 6I x 6I.
@@ -62,10 +62,11 @@ class JointModes {
     std::vector<char> pins;
     Eigen::MatrixXd stiffness;
   };
-  std::vector<Eigen::MatrixXd> model_modes_;  // of each model, 3J x 6I
+  std::vector<SegmentTangent> tangents_;   // of each model
+  std::vector<Eigen::Index> segments_of_;  // how many of each there are
+  std::vector<Eigen::MatrixXd> tangent_;   // of one segment, by the number of its interfaces
   std::vector<Kind> kinds_;
   std::vector<int> segment_stiffness_;  // of kinds_
-  std::vector<std::vector<int>> segment_joints_;
   std::vector<float> scratch_;
 };
 

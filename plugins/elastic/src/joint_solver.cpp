@@ -13,10 +13,10 @@ constexpr int kRefactor = 4;
 }  // namespace
 
 JointSolver::JointSolver(PartGroup& group, const Kernels& kernels, bool single)
-    : group_(group), single_(single), modes_(group, kernels, single) {
+    : group_(group), single_(single), modes_(group, kernels, single), factor_(group, kernels) {
   const Eigen::Index n = group.size();
-  for (Eigen::VectorXd* v : {&inertia_, &gradient_, &free_gradient_, &direction_, &trial_, &trial_gradient_,
-                             &residual_, &conditioned_, &search_, &product_}) {
+  for (Eigen::VectorXd* v :
+       {&inertia_, &gradient_, &free_gradient_, &direction_, &trial_, &trial_gradient_}) {
     v->setZero(n);
   }
   steps_.setZero(n, kMemory);
@@ -37,7 +37,7 @@ void JointSolver::prepare(const std::vector<char>& held, const Eigen::VectorXd& 
   const BlockRows rows = group_.rest_stiffness(held, inertia);
   find_greatest(rows);
   modes_.prepare(held, inertia, rows);
-  frames_moved_ = true;
+  factor_old_ = true;
 }
 
 // Power iteration.
@@ -62,11 +62,10 @@ void JointSolver::find_greatest(const BlockRows& rows) {
 void JointSolver::follow_frames() {
   group_.update_turns();
   modes_.factor();
-  frames_moved_ = false;
 }
 
 double JointSolver::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& toward) {
-  frames_moved_ = true;
+  factor_old_ = true;
   double energy = group_.evaluate(x, gradient_);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const double away = x[i] - toward[i];
@@ -93,34 +92,10 @@ bool JointSolver::balanced(double tolerance, const Eigen::VectorXd& x) const {
          tolerance * (group_.force_scale() + 1e-9 * group_.stiffness_scale()) + rounding;
 }
 
-int JointSolver::respond(const Eigen::VectorXd& force, Eigen::Ref<Eigen::VectorXd> displacement,
-                         double tolerance) {
-  if (frames_moved_) follow_frames();
-  displacement.setZero();
-  residual_ = force;
-  mask(residual_);
-  const double least = tolerance * residual_.norm();
-  double before = 0;
-  for (int i = 0; i < 500; ++i) {
-    if (!(residual_.norm() > least)) return i;
-    modes_.apply(residual_, conditioned_);
-    const double now = residual_.dot(conditioned_);
-    if (!(now > 0.0)) return i;
-    if (i == 0) {
-      search_ = conditioned_;
-    } else {
-      search_ = conditioned_ + now / before * search_;
-    }
-    before = now;
-    group_.stiffness_product(search_, product_);
-    product_ += inertia_.cwiseProduct(search_) + steady() * search_;
-    mask(product_);
-    const double curvature = search_.dot(product_);
-    if (!(curvature > 0.0)) return i;
-    displacement += now / curvature * search_;
-    residual_ -= now / curvature * product_;
-  }
-  return 500;
+void JointSolver::respond(double* x, Eigen::Index rows, Eigen::Index ldx, std::vector<double>& scratch) {
+  if (factor_old_) factor_.factor(held_, inertia_, steady(), scratch);
+  factor_old_ = false;
+  factor_.solve(x, rows, ldx, scratch);
 }
 
 void JointSolver::mask(Eigen::VectorXd& v) const {
@@ -197,13 +172,15 @@ JointSolver::Outcome JointSolver::solve(const AssemblySettings& settings, double
     const double rounding = (single_ ? 1e-7 : 1e-13) * terms;
     bool better = false;
     double next = energy;
-    for (int cut = 0; cut < 12 && !better; ++cut, length *= better ? 1.0 : 0.5) {
+    for (int cut = 0; cut < 12 && !better; ++cut) {
       trial_ = x + length * direction_;
       next = evaluate(trial_, toward);
       ++out.evaluations;
       const double end_slope = direction_.dot(free_gradient_);
       better = next <= energy + 1e-4 * length * slope ||
                (next <= energy + rounding && std::abs(end_slope) <= 0.9 * std::abs(slope));
+      // To where the slope would vanish.
+      if (!better) length *= end_slope > 0.0 ? std::clamp(slope / (slope - end_slope), 0.1, 0.5) : 0.5;
     }
     if (!better) {
       energy = evaluate(x, toward);  // the segments' frames belong to x again

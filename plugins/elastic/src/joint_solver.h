@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "joint_factor.h"
 #include "joint_modes.h"
 #include "part_group.h"
 #include "softpoint/elastic/assembly_settings.h"
@@ -31,9 +32,10 @@ class JointSolver {
   double evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& toward);
   // Imbalance at the last evaluation: gradient (N) of all points. At held ones it is the force of the holder.
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  // Joint displacements (m) by joint forces (N) at the shape of the last evaluation, frames held: conjugate
-  // gradients to `tolerance`. Returns the iterations.
-  int respond(const Eigen::VectorXd& force, Eigen::Ref<Eigen::VectorXd> displacement, double tolerance);
+  // Joint forces (N) become the displacements (m) they cause at the shape of the last evaluation, frames
+  // held: row by row of x, which has `rows` of them, ldx numbers from column to column. `scratch` may be
+  // shared.
+  void respond(double* x, Eigen::Index rows, Eigen::Index ldx, std::vector<double>& scratch);
   // Greatest eigenvalue of the stiffness at rest, N/m: (4) converges for kappa below 2 over it.
   double greatest_stiffness() const { return greatest_; }
   const std::vector<char>& held() const { return held_; }
@@ -58,12 +60,12 @@ class JointSolver {
   PartGroup& group_;
   bool single_;
   double drag_ = 0;
-  bool frames_moved_ = true;  // since the joints' modes were factored
+  bool factor_old_ = true;  // frames have moved since the factor of respond()
   JointModes modes_;
+  JointFactor factor_;
   std::vector<char> held_;
   Eigen::VectorXd inertia_;  // one a coordinate
   Eigen::VectorXd gradient_, free_gradient_, direction_, trial_, trial_gradient_;
-  Eigen::VectorXd residual_, conditioned_, search_, product_;
   Eigen::MatrixXd steps_, changes_;
   std::vector<double> curvature_, alpha_;
   double greatest_ = 0;

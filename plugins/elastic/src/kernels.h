@@ -52,6 +52,12 @@ struct Kernels {
   void (*add_square)(double* s, std::ptrdiff_t m, std::ptrdiff_t lds, const double* x, std::ptrdiff_t n,
                      std::ptrdiff_t ldx, double* scratch);
 
+  // c += sign a b^T, c being m x n, a m x k and b n x k; from row to row and from column to column of a and b
+  // it is so far, which transposes them at will.
+  void (*add_product)(std::ptrdiff_t m, std::ptrdiff_t n, std::ptrdiff_t k, double sign, const double* a,
+                      std::ptrdiff_t a_row, std::ptrdiff_t a_column, const double* b, std::ptrdiff_t b_row,
+                      std::ptrdiff_t b_column, double* c, std::ptrdiff_t ldc, double* scratch);
+
   // c = a b: `a` in `strips` strips of strip_rows rows each, depth-major inside a strip, padded with zeros; b
   // (depth x n) and c (strips * strip_rows x n) column-major.
   std::ptrdiff_t strip_rows_single, strip_rows_double;

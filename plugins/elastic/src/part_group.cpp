@@ -157,10 +157,14 @@ PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, i
   }
 }
 
-std::size_t PartGroup::index_of(Eigen::Index at) const {
+std::size_t PartGroup::joint_at(Eigen::Index at) const {
   const auto next = std::upper_bound(joints_.begin(), joints_.end(), at,
                                      [](Eigen::Index a, const Joint& joint) { return a < 3 * joint.first; });
-  return static_cast<std::size_t>(at - 2 * std::prev(next)->first);
+  return static_cast<std::size_t>(next - joints_.begin()) - 1;
+}
+
+std::size_t PartGroup::index_of(Eigen::Index at) const {
+  return static_cast<std::size_t>(at - 2 * joints_[joint_at(at)].first);
 }
 
 // (J2): d = R^T (x - mean) - X in `local`, axis-major.

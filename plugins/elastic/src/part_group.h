@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <vector>
@@ -101,6 +103,14 @@ class PartGroup {
   Vec3 point(const Eigen::VectorXd& v, Eigen::Index at, Eigen::Index stride) const {
     return {v[at], v[at + stride], v[at + 2 * stride]};
   }
+  // Joint of the point whose first coordinate is there.
+  std::size_t joint_at(Eigen::Index at) const;
+  // Stiffness of the bones at the shape of the last evaluate(), as calls of add(at of one joint's first
+  // point, at of another's, block): the squares of stretch and of the change of direction, directions held.
+  template <class Add>
+  void each_bone_block(Add&& add) const {
+    each_bone_block(last_, add);
+  }
   // Number of the point whose first coordinate is there.
   std::size_t index_of(Eigen::Index at) const;
   const std::vector<Joint>& joints() const { return joints_; }
@@ -125,6 +135,8 @@ class PartGroup {
     std::vector<double> probes;                 // 3J x n, of stiffness_product()
   };
   void fit(Segment& segment, const Eigen::VectorXd& x, double* local);
+  template <class Add>
+  void each_bone_block(const Eigen::VectorXd& x, Add&& add) const;
   double bones(const Eigen::VectorXd& x, Eigen::VectorXd& gradient);
   void bone_product(const Eigen::VectorXd& displacement, Eigen::VectorXd& force) const;
 
@@ -144,5 +156,31 @@ class PartGroup {
   std::vector<double> gathered_;  // 3J
   std::vector<Vec3> bone_points_, bone_gradient_;
 };
+
+template <class Add>
+void PartGroup::each_bone_block(const Eigen::VectorXd& x, Add&& add) const {
+  for (const Bone& bone : bones_) {
+    const double k = bone.settings.length_stiffness, c = bone.settings.angle_stiffness;
+    if (k == 0.0 && c == 0.0) continue;
+    for (std::size_t i = 1; i < bone.at.size(); ++i) {
+      const Vec3 edge = point(x, bone.at[i], bone.stride[i]) - point(x, bone.at[i - 1], bone.stride[i - 1]);
+      const Vec3 along = edge / std::max(edge.norm(), 1e-12 * bone.shape.lengths[i - 1]);
+      const Mat3 stretch = k * along * along.transpose();
+      add(bone.at[i], bone.at[i], stretch);
+      add(bone.at[i - 1], bone.at[i - 1], stretch);
+      add(bone.at[i], bone.at[i - 1], -stretch);
+      add(bone.at[i - 1], bone.at[i], -stretch);
+      if (i < 2 || c == 0.0) continue;
+      const double before = bone.shape.lengths[i - 2], after = bone.shape.lengths[i - 1];
+      const std::array<double, 3> weight = {1.0 / before, -1.0 / before - 1.0 / after, 1.0 / after};
+      const Mat3 across = Mat3::Identity() - along * along.transpose();
+      for (std::size_t p = 0; p < 3; ++p) {
+        for (std::size_t q = 0; q < 3; ++q) {
+          add(bone.at[i - 2 + p], bone.at[i - 2 + q], c * weight[p] * weight[q] * across);
+        }
+      }
+    }
+  }
+}
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

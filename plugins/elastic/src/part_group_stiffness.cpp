@@ -108,15 +108,8 @@ BlockRows PartGroup::rest_stiffness(const std::vector<char>& held, const Eigen::
   }
   const auto add = [&](Eigen::Index at1, Eigen::Index stride1, Eigen::Index at2, Eigen::Index stride2,
                        const Mat3& block) {
-    // `at` counts 3 first + point; the stride is the joint's count.
-    std::size_t j1 = 0, j2 = 0;
-    const auto find = [&](Eigen::Index at, std::size_t& j) {
-      const auto joint = std::upper_bound(joints_.begin(), joints_.end(), at,
-                                          [](Eigen::Index a, const Joint& q) { return a < 3 * q.first; });
-      j = static_cast<std::size_t>(joint - joints_.begin()) - 1;
-      return at - 3 * joints_[j].first;
-    };
-    const Eigen::Index p1 = find(at1, j1), p2 = find(at2, j2);
+    const std::size_t j1 = joint_at(at1), j2 = joint_at(at2);
+    const Eigen::Index p1 = at1 - 3 * joints_[j1].first, p2 = at2 - 3 * joints_[j2].first;
     if (held[static_cast<std::size_t>(joints_[j1].first + p1)] != 0 ||
         held[static_cast<std::size_t>(joints_[j2].first + p2)] != 0) {
       return;
@@ -143,29 +136,9 @@ BlockRows PartGroup::rest_stiffness(const std::vector<char>& held, const Eigen::
       }
     }
   }
-  // Bones near rest: k t t^T along each, and c times the square of the change of direction at each joint.
-  for (const Bone& bone : bones_) {
-    const double k = bone.settings.length_stiffness, c = bone.settings.angle_stiffness;
-    const auto node = [&](std::size_t i) { return point(rest_, bone.at[i], bone.stride[i]); };
-    const auto link = [&](std::size_t i, std::size_t l, const Mat3& block) {
-      add(bone.at[i], bone.stride[i], bone.at[l], bone.stride[l], block);
-    };
-    for (std::size_t i = 1; i < bone.at.size(); ++i) {
-      const Vec3 along = (node(i) - node(i - 1)).normalized();
-      const Mat3 stretch = k * along * along.transpose();
-      link(i, i, stretch);
-      link(i - 1, i - 1, stretch);
-      link(i, i - 1, -stretch);
-      link(i - 1, i, -stretch);
-      if (i < 2 || c == 0.0) continue;
-      const double before = bone.shape.lengths[i - 2], after = bone.shape.lengths[i - 1];
-      const std::array<double, 3> weight = {1.0 / before, -1.0 / before - 1.0 / after, 1.0 / after};
-      const Mat3 across = Mat3::Identity() - along * along.transpose();
-      for (std::size_t p = 0; p < 3; ++p) {
-        for (std::size_t q = 0; q < 3; ++q) link(i - 2 + p, i - 2 + q, c * weight[p] * weight[q] * across);
-      }
-    }
-  }
+  each_bone_block(rest_, [&](Eigen::Index a, Eigen::Index b, const Mat3& block) {
+    add(a, joints_[joint_at(a)].count, b, joints_[joint_at(b)].count, block);
+  });
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     for (Eigen::Index i = 0; i < joints_[j].count; ++i) {
       if (held[static_cast<std::size_t>(joints_[j].first + i)] == 0) continue;

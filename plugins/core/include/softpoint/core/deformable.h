@@ -97,6 +97,9 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // the directions in which corners of colliders press. By default the area-weighted mean of the faces round
   // a point.
   virtual void skin_normals(std::vector<Vec3>& normals) const;
+  // Takes a share of an impulse (N s) that acts from the next step on: all of it must be used by then. The base adds
+  // it to the point's velocity before predict().
+  virtual void queue_impulse(int point, const Vec3& impulse);
   // What kind of body this is, for snapshots: one name a plugin and layout of archive_state().
   virtual std::string_view kind() const { return "deformable"; }
   // The plugin's own members on which the next step depends, for snapshots. Positions and velocities are

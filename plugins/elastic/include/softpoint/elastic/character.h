@@ -52,12 +52,16 @@ class SOFTPOINT_API Character final : public Deformable {
   // Force (N) of its holder on an end, after the last step.
   Vec3 end_force(const PartEnd& end) const { return assembly_.force(end); }
   double elastic_energy() const override;  // J
-  void apply_impulse(int face, const Vec3& weights, const Vec3& impulse) override;
 
  private:
   struct State;
+  struct SkinForce {
+    int point = 0;
+    Vec3 force = Vec3::Zero();  // N
+  };
   Character(Assembly assembly, const CharacterSettings& settings);
 
+  void queue_impulse(int point, const Vec3& impulse) override;
   void predict(double dt) override;
   void compliance(std::span<const int> touched, double* blocks) override;
   void respond(std::span<const int> touched, std::span<const Vec3> impulses) override;
@@ -70,8 +74,8 @@ class SOFTPOINT_API Character final : public Deformable {
   void let_go_of_skin();
   void push_skin(int point, const Vec3& force);
   void take_off_forces();
-  int columns_of(int point);
   double held_give(int point) const;
+  void add_response(const std::vector<SkinForce>& forces, double sign);
   void dent(int point, const Vec3& force);
   void take_joints(const std::vector<Vec3>& from);
   double farthest_joint(const std::vector<Vec3>& from) const;
