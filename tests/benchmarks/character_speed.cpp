@@ -86,8 +86,11 @@ int run(const std::string& name) {
     std::fflush(stdout);
   };
   out << "{\n  \"instruction_set\": \"" << elastic::name(best_instruction_set()) << "\",\n  \"chains\": [\n";
+  // Joints given: they lie where they are carried, without inverse kinematics.
+  AssemblySettings carried = AssemblySettings::budget(0);
+  carried.predictor = Predictor::kNone;
   for (int count : {10, 13, 30, 50, 70, 100}) {
-    const ChainTime given = time_chain(count, AssemblySettings::budget(0));
+    const ChainTime given = time_chain(count, carried);
     const ChainTime bent = time_chain(count, {});
     std::snprintf(line, sizeof line,
                   "    {\"cylinders\": %d, \"joints_given_ms\": %.4f, \"skin_ms\": %.4f, \"bent_ms\": %.4f, "

@@ -38,7 +38,7 @@ def points_of(rows, method, key):
 
 def mark_default(axis, points):
     for x, y, setting in points:
-        if setting == "tolerance 1e-3":
+        if setting == "tolerance 1e-4":
             axis.plot(x, y, "o", color="none", markeredgecolor="black", markersize=12, zorder=5)
             axis.annotate("default", (x, y), xytext=(0, 9), textcoords="offset points", ha="center")
 

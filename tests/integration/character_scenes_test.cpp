@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 #include "metrics_recorder.h"
 #include "player.h"
 #include "scene_reader.h"
@@ -57,6 +59,40 @@ TEST(CharacterScenes, SevenCylindersAreStretchedByHalfAndSwingBack) {
   EXPECT_NEAR(scene.now(0).parts[0].length, 1.75, 0.01);
   scene.until(scene.player.scene().frames * scene.player.scene().world.time_step);
   EXPECT_NEAR(scene.now(0).parts[0].length, 1.4, 0.05);
+  scene.expect_sound();
+}
+
+// The skin itself is dragged: the vertex follows the hand, both ends bear what it pulls, and let go the row
+// is where it was.
+TEST(CharacterScenes, APinchedVertexTakesTheRowAlong) {
+  Playing scene("character_pinch");
+  scene.until(0.3);
+  const std::vector<Vec3> rest = points_of(scene.player.deformable(0));
+  const auto lowest = std::min_element(rest.begin(), rest.end(), [](const Vec3& a, const Vec3& b) {
+    return (a - Vec3(0, 0.8, 0)).norm() < (b - Vec3(0, 0.8, 0)).norm();
+  });
+  const auto pinched = static_cast<std::size_t>(lowest - rest.begin());
+  const auto& row = dynamic_cast<const elastic::Character&>(scene.player.deformable(0));
+  const Vec3 weight = row.end_force({0, false}) + row.end_force({0, true});
+  const auto moved = [&](std::size_t point) { return Vec3(row.points()[point] - rest[point]); };
+  scene.until(1.7);
+  EXPECT_LT((moved(pinched) - Vec3(0, -0.25, 0)).norm(), 1e-4);
+  const std::vector<Vec3> bone = row.assembly().bone(0);
+  EXPECT_LT(bone[2].y(), 0.8);  // of 0.9 m at rest: more than a dent
+  const Vec3 borne = row.end_force({0, false}) + row.end_force({0, true}) - weight;
+  EXPECT_GT(borne.y(), 20.0);
+  EXPECT_LT(std::hypot(borne.x(), borne.z()), 0.01 * borne.y());
+  scene.until(2.5);
+  EXPECT_LT((moved(pinched) - Vec3(0.15, -0.15, 0.1)).norm(), 1e-4);
+  scene.until(3.1);
+  for (std::size_t p = 0; p < rest.size(); ++p) ASSERT_LT(moved(p).norm(), 1e-3) << p;
+  scene.until(4.3);  // a hand of 15 N does not reach half a metre
+  const Vec3 tugged = row.end_force({0, false}) + row.end_force({0, true}) - weight;
+  EXPECT_NEAR(tugged.z(), -15.0, 0.3);
+  EXPECT_GT(row.assembly().bone(0)[2].z(), 0.01);
+  EXPECT_LT(row.assembly().bone(0)[2].z(), 0.3);
+  scene.until(5.0);
+  for (std::size_t p = 0; p < rest.size(); ++p) ASSERT_LT(moved(p).norm(), 1e-3) << p;
   scene.expect_sound();
 }
 

@@ -6,6 +6,7 @@
 #include "handle_solver.h"
 #include "softpoint/core/deformable_system.h"
 #include "support_contacts.h"
+#include "sweep_acceleration.h"
 #include "touched_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -52,12 +53,16 @@ class ContactSolver {
   static void balance_torques(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts);
   void move_all(std::span<Deformable* const> bodies, const std::vector<Contact>& contacts,
                 RigidStates& rigid);
+  static Vec3 in_cone(const Contact& contact, const Vec3& impulse);
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
+  void accelerate(std::vector<Contact>& contacts, RigidStates& rigid);
 
   double dt_ = 0;
   std::vector<TouchedPoints> touched_;
   std::vector<Row> rows_;
   HandleSolver handle_solver_;
+  SweepAcceleration acceleration_;
+  bool accelerating_ = false;  // it knows where the last sweep began
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI

@@ -14,9 +14,8 @@ void TouchedPoints::spread(int index, const Vec3& impulse, double dt) {
   Eigen::Map<Eigen::VectorXd> all(displacement.front().data(), n);
   const Eigen::Map<const Eigen::MatrixXd> matrix(blocks.data(), n, n);
   const Vec3 step = dt * impulse;
-  all.noalias() += matrix.col(3 * index) * step.x();
-  all.noalias() += matrix.col(3 * index + 1) * step.y();
-  all.noalias() += matrix.col(3 * index + 2) * step.z();
+  all = all + matrix.col(3 * index) * step.x() + matrix.col(3 * index + 1) * step.y() +
+        matrix.col(3 * index + 2) * step.z();
   impulses[static_cast<std::size_t>(index)] += impulse;
 }
 

@@ -33,7 +33,9 @@ void Assembly::Impl::skin(GroupState& state) {
     const PackedModel& packed = *models[m];
     const SegmentModel& model = *packed.model;
     const Eigen::Index depth = packed.free_response.depth(), rows = packed.free_response.padded_rows();
+    const double* const displacements = group.displacements(static_cast<int>(m)).data();
     dirty.clear();
+    bool all = true;
     for (std::size_t s = 0; s < group.segments().size(); ++s) {
       const PartGroup::Segment& segment = group.segments()[s];
       if (segment.model != static_cast<int>(m)) continue;
@@ -44,15 +46,19 @@ void Assembly::Impl::skin(GroupState& state) {
           moved = moved || state.x[at] != state.skinned[at];
         }
       }
-      if (!moved) continue;
-      const double* const d = group.displacements(static_cast<int>(m)).data() + segment.column * depth;
-      std::copy(d, d + depth, sheet.begin() + static_cast<std::ptrdiff_t>(dirty.size()) * depth);
-      dirty.push_back(static_cast<int>(s));
+      if (moved) dirty.push_back(static_cast<int>(s));
+      all = all && moved;
     }
     if (dirty.empty()) continue;
     report.segments_skinned += static_cast<int>(dirty.size());
-    packed.free_response.multiply(sheet.data(), static_cast<Eigen::Index>(dirty.size()), bulge.data(),
-                                  scratch.data());
+    // Those that moved, side by side; all of them are already.
+    for (std::size_t k = 0; k < dirty.size() && !all; ++k) {
+      const double* const d =
+          displacements + group.segments()[static_cast<std::size_t>(dirty[k])].column * depth;
+      std::copy(d, d + depth, sheet.begin() + static_cast<std::ptrdiff_t>(k) * depth);
+    }
+    packed.free_response.multiply(all ? displacements : sheet.data(), static_cast<Eigen::Index>(dirty.size()),
+                                  bulge.data(), scratch.data());
     for (std::size_t k = 0; k < dirty.size(); ++k) {
       const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(dirty[k])];
       double* const u = bulge.data() + static_cast<Eigen::Index>(k) * rows;
