@@ -58,6 +58,7 @@ void ContactSolver::collect_touched(std::span<Deformable* const> bodies, const s
       StageTimer timer(profile.seconds.compliance);
       touched.blocks.resize(9 * count * count);
       bodies[b]->compliance(touched.points, touched.blocks.data());
+      touched.find_parts();
     }
     touched.reference.resize(count);
     touched.displacement.assign(count, Vec3::Zero());

@@ -65,28 +65,89 @@ double ContactSolver::sweep_contacts(std::vector<Contact>& contacts, RigidStates
   return largest;
 }
 
-// Before a sweep: from what the last ones changed.
-void ContactSolver::accelerate(std::vector<Contact>& contacts, RigidStates& rigid) {
-  if (!accelerating_) {
-    accelerating_ = true;
-    acceleration_.begin(contacts.size());
-    for (std::size_t c = 0; c < contacts.size(); ++c) {
-      acceleration_.weight(c) = contacts[c].seen ? std::sqrt(rows_[c].compliance.trace()) : 0.0;
-      acceleration_.before(c) = contacts[c].impulse;
+void ContactSolver::find_clusters(const std::vector<Contact>& contacts, const RigidStates& rigid) {
+  // Nodes: the touched points of all bodies, then the colliders. What hangs
+  // together is joined to its first point.
+  std::size_t nodes = 0;
+  for (const TouchedPoints& touched : touched_) nodes += touched.points.size();
+  const std::size_t first_rigid = nodes;
+  std::size_t colliders = 0;
+  for (const Contact& contact : contacts) colliders = std::max(colliders, at(contact.rigid + 1));
+  joined_.resize(nodes + colliders);
+  for (std::size_t i = 0; i < joined_.size(); ++i) joined_[i] = static_cast<int>(i);
+  const auto root = [&](std::size_t node) {
+    while (joined_[node] != static_cast<int>(node)) node = at(joined_[node] = joined_[at(joined_[node])]);
+    return node;
+  };
+  const auto join = [&](std::size_t a, std::size_t b) { joined_[root(a)] = static_cast<int>(root(b)); };
+  std::size_t first = 0;
+  for (const TouchedPoints& touched : touched_) {
+    for (std::size_t j = 0; j < touched.points.size(); ++j) {
+      join(first + j, first + at(touched.runs[at(touched.part[j])].front()[0]));
     }
-    return;
+    first += touched.points.size();
   }
-  for (std::size_t c = 0; c < contacts.size(); ++c) acceleration_.after(c) = contacts[c].impulse;
-  const bool better = acceleration_.improve();
+  const auto first_of = [&](int body) {
+    std::size_t sum = 0;
+    for (std::size_t b = 0; b < at(body); ++b) sum += touched_[b].points.size();
+    return sum;
+  };
+  const auto node_of = [&](std::size_t c) { return first_of(contacts[c].body) + at(rows_[c].local[0]); };
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    Contact& contact = contacts[c];
-    if (better && contact.seen) {
-      const Vec3 impulse = in_cone(contact, acceleration_.after(c));
-      const Vec3 change = impulse - contact.impulse;
-      contact.impulse = impulse;
-      if (change != Vec3::Zero()) add_impulse(contact, rows_[c], change, rigid);
+    const Contact& contact = contacts[c];
+    const std::size_t body = first_of(contact.body);
+    for (std::size_t k = 1; k < at(contact.count); ++k) join(node_of(c), body + at(rows_[c].local[k]));
+    if (contact.other_body >= 0) {
+      const std::size_t other = first_of(contact.other_body);
+      for (std::size_t k = 0; k < at(contact.other_count); ++k)
+        join(node_of(c), other + at(rows_[c].other_local[k]));
+    } else if (!rigid[contact.rigid].inverse_mass.isZero(0)) {
+      join(node_of(c), first_rigid + at(contact.rigid));
     }
-    acceleration_.before(c) = contact.impulse;
+  }
+  clusters_ = 0;
+  for (std::vector<int>& members : members_) members.clear();
+  std::vector<int>& names = cluster_of_;
+  names.assign(joined_.size(), -1);
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (!contacts[c].seen) continue;
+    int& name = names[root(node_of(c))];
+    if (name < 0) name = static_cast<int>(clusters_++);
+    if (members_.size() < clusters_) members_.emplace_back();
+    members_[at(name)].push_back(static_cast<int>(c));
+  }
+  if (accelerations_.size() < clusters_) accelerations_.resize(clusters_);
+}
+
+// Before a sweep: from what the last ones changed, cluster by cluster.
+void ContactSolver::accelerate(std::vector<Contact>& contacts, RigidStates& rigid) {
+  const bool begins = !accelerating_;
+  if (begins) find_clusters(contacts, rigid);
+  accelerating_ = true;
+  for (std::size_t cluster = 0; cluster < clusters_; ++cluster) {
+    SweepAcceleration& acceleration = accelerations_[cluster];
+    const std::vector<int>& members = members_[cluster];
+    bool better = false;
+    if (begins) {
+      acceleration.begin(members.size());
+      for (std::size_t m = 0; m < members.size(); ++m) {
+        acceleration.weight(m) = std::sqrt(rows_[at(members[m])].compliance.trace());
+      }
+    } else {
+      for (std::size_t m = 0; m < members.size(); ++m)
+        acceleration.after(m) = contacts[at(members[m])].impulse;
+      better = acceleration.improve();
+    }
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      Contact& contact = contacts[at(members[m])];
+      if (better) {
+        const Vec3 impulse = in_cone(contact, acceleration.after(m));
+        const Vec3 change = impulse - contact.impulse;
+        contact.impulse = impulse;
+        if (change != Vec3::Zero()) add_impulse(contact, rows_[at(members[m])], change, rigid);
+      }
+      acceleration.before(m) = contact.impulse;
+    }
   }
 }
 
