@@ -9,6 +9,16 @@ namespace {
 
 // Iterations between two factorings of the joints' modes: frames hardly turn in fewer.
 constexpr int kRefactor = 4;
+// So much slower than others are ends that are held by a point to leave where they were carried while the
+// skin is pushed: they are what shows that a part spins about its ends, which nothing else resists, and
+// contacts along a part that spins at a touch answer one another for ever.
+constexpr double kSlowEnd = 300.0;
+
+double slowness(const PartGroup::Joint& joint, const std::vector<char>& held) {
+  const auto first = held.begin() + joint.first;
+  const auto pins = std::count_if(first, first + joint.count, [](char h) { return h != 0; });
+  return pins > 0 && pins < joint.count ? kSlowEnd : 1.0;
+}
 
 }  // namespace
 
@@ -67,11 +77,14 @@ void JointSolver::follow_frames() {
 double JointSolver::evaluate(const Eigen::VectorXd& x, const Eigen::VectorXd& toward) {
   factor_old_ = true;
   double energy = group_.evaluate(x, gradient_);
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    const double away = x[i] - toward[i];
-    const double c = inertia_[i] + drag_;
-    energy += 0.5 * c * away * away;
-    gradient_[i] += c * away;
+  for (const PartGroup::Joint& joint : group_.joints()) {
+    const double slow = drag_ > 0.0 ? drag_ * slowness(joint, held_) : 0.0;
+    for (Eigen::Index i = 3 * joint.first; i < 3 * (joint.first + joint.count); ++i) {
+      const double away = x[i] - toward[i];
+      const double c = inertia_[i] + slow;
+      energy += 0.5 * c * away * away;
+      gradient_[i] += c * away;
+    }
   }
   free_gradient_ = gradient_;
   mask(free_gradient_);
@@ -93,8 +106,14 @@ bool JointSolver::balanced(double tolerance, const Eigen::VectorXd& x) const {
 }
 
 void JointSolver::respond(double* x, Eigen::Index rows, Eigen::Index ldx, std::vector<double>& scratch) {
-  if (factor_old_) factor_.factor(held_, inertia_, steady(), scratch);
-  factor_old_ = false;
+  if (factor_old_) {
+    trial_ = inertia_;
+    for (const PartGroup::Joint& joint : group_.joints()) {
+      trial_.segment(3 * joint.first, 3 * joint.count).array() += steady() * slowness(joint, held_);
+    }
+    factor_.factor(held_, trial_, 0.0, scratch);
+    factor_old_ = false;
+  }
   factor_.solve(x, rows, ldx, scratch);
 }
 
