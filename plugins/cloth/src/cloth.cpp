@@ -74,15 +74,17 @@ Cloth::State::State(const ClothDesign& made)
       solver(design.pattern, design.fabric, design.solver),
       finder(make_air_topology(design.pattern.points, design.pattern.faces), design.air),
       gatherer(design.pattern.points.size()),
-      self(design.pattern, design.fabric.thickness) {
+      self(design.pattern, design.fabric.thickness),
+      coupling(design.pattern) {
   const std::size_t points = design.pattern.points.size();
-  for (std::vector<Vec3>* field :
-       {&positions, &velocities, &before, &local_positions, &local_feet, &foot_forces, &contact_forces}) {
+  for (std::vector<Vec3>* field : {&positions, &velocities, &before, &world_feet, &local_positions,
+                                   &local_feet, &foot_forces, &contact_forces}) {
     field->assign(points, Vec3::Zero());
   }
   point_areas = finder.topology().point_areas;
   friction_factor.assign(points, 1.0);
   inverse_masses.assign(points, 0.0);
+  air_colliders.assign(points, -1);
   take_saturation();
 }
 

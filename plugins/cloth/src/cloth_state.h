@@ -31,11 +31,13 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
 
   // The stages of a step.
   void gather(const NearColliders& near, double dt, const Vec3& acceleration);
-  bool find_bubbles();
+  bool find_bubbles(const NearColliders& near);
   void place_hands(double rest, NearColliders& near, std::span<HeldPoint> held);
   ClothHand hand_for(const HeldPoint& held, double rest, const NearColliders& near) const;
   void follow(NearColliders& near, double rest, std::span<HeldPoint> held);
-  void press_feet(NearColliders& near, double time, bool movable);
+  void feel_air();
+  void carry_air(const NearColliders& near);
+  void choose_carrier(const NearColliders& near);
   void couple(double h, NearColliders& near, std::span<HeldPoint> held);
   void begin_self(std::span<const HeldPoint> held);
   void meet_self();
@@ -60,6 +62,11 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   std::vector<double> inverse_masses;  // 1/kg; 0 where held
   bool self_near = false;              // cloth may meet cloth in this frame
   Vec3 air_origin = Vec3::Zero();
+  Vec3 air_shift = Vec3::Zero();      // m, of what the bubbles lie on, since the frame began
+  Vec3 carrier_start = Vec3::Zero();  // m, centre of it then
+  int carrier = -1;                   // the collider
+  std::vector<int> air_colliders, carrier_votes;
+  std::vector<Vec3> world_feet;
   bool air_on = false;
   double dt = 0;
   std::vector<double> volumes, gauges;

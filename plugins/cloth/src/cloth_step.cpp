@@ -31,7 +31,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
   s.begin_self(held);
 
   s.gather(near, dt, acceleration);
-  s.air_on = s.find_bubbles();
+  s.air_on = s.find_bubbles(near);
   s.solver.set_positions(s.positions);  // about the origin of the air
   s.solver.set_velocities(s.velocities);
   s.solver.set_contacts(s.gatherer.contacts());
@@ -42,6 +42,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
     near.begin(h);
     if (part > 0) {
       s.follow(near, dt - part * h, held);
+      s.carry_air(near);
     }
     {
       StageTimer timer(s.profile.seconds.solve);
@@ -106,7 +107,7 @@ void Cloth::State::gather(const NearColliders& near, double step, const Vec3& ac
 }
 
 // Which air is where; the film's pull on what touches.
-bool Cloth::State::find_bubbles() {
+bool Cloth::State::find_bubbles(const NearColliders& near) {
   if (!airy()) {
     profile.counts.air_skipped = true;
     solver.set_air({}, {}, {});
@@ -126,6 +127,8 @@ bool Cloth::State::find_bubbles() {
   }
   const bool pressure = finder.find({local_positions, local_feet, gatherer.normals(), gatherer.gaps()});
   gatherer.set_adhesion(finder.adhesion());
+  std::copy(gatherer.colliders().begin(), gatherer.colliders().end(), air_colliders.begin());
+  choose_carrier(near);
   solver.set_air(finder.face_pockets(), finder.pockets(), finder.rims(), air_origin);
   volumes.resize(finder.pockets().size());
   gauges.assign(finder.pockets().size(), 0.0);
@@ -253,25 +256,67 @@ void Cloth::State::couple(double h, NearColliders& near, std::span<HeldPoint> he
   if (!coupling.any()) {
     return;
   }
-  coupling.push(near, h, gatherer.contacts(), solver, positions);
+  ColliderCoupling::Air air;
   if (air_on) {
-    press_feet(near, h, true);
+    feel_air();
+    air = {foot_forces,      world_feet,      air_colliders, finder.face_pockets(), finder.topology().faces,
+           finder.pockets(), solver.pockets()};
+  }
+  if (coupling.balance(near, h, solver,
+                       {positions, velocities, wet.masses, wet.springs, gatherer.contacts(), hands}, air)) {
+    solver.set_positions(positions);
+    solver.set_velocities(velocities);
   }
 }
 
-// Suction and pressure of the air on the colliders under it.
-void Cloth::State::press_feet(NearColliders& near, double time, bool movable) {
+// Suction and pressure of the air on the colliders under it, as opposite forces at the feet.
+void Cloth::State::feel_air() {
   const std::span<const PocketState> states = solver.pockets();
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     gauges[i] = states[i].gauge;
   }
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    local_positions[v] = positions[v] - air_origin;
+    local_positions[v] = positions[v] - air_origin - air_shift;
+    world_feet[v] = local_feet[v] + air_origin + air_shift;
   }
   std::fill(foot_forces.begin(), foot_forces.end(), Vec3::Zero());
   finder.add_foot_forces({local_positions, local_feet, gatherer.normals(), gatherer.gaps()}, gauges,
                          foot_forces);
-  ColliderCoupling::push(near, time, gatherer.colliders(), foot_forces, gatherer.feet(), movable);
+}
+
+// Bubbles ride with what they lie on: their feet, and with them the origin of their volumes.
+void Cloth::State::carry_air(const NearColliders& near) {
+  if (!air_on || carrier < 0) {
+    return;
+  }
+  const Vec3 shift = near.center(carrier) - carrier_start;
+  if (shift != air_shift) {
+    air_shift = shift;
+    solver.set_air(finder.face_pockets(), finder.pockets(), finder.rims(), air_origin + air_shift);
+  }
+}
+
+// The collider that most feet of bubbles stand on.
+void Cloth::State::choose_carrier(const NearColliders& near) {
+  carrier = -1;
+  air_shift.setZero();
+  std::vector<int>& votes = carrier_votes;
+  votes.assign(static_cast<std::size_t>(near.colliders()), 0);
+  const std::span<const int> pockets = finder.face_pockets();
+  for (std::size_t f = 0; f < pockets.size(); ++f) {
+    for (const int v : finder.topology().faces[f]) {
+      const int collider = air_colliders[static_cast<std::size_t>(v)];
+      if (pockets[f] >= 0 && collider >= 0) {
+        const int count = ++votes[static_cast<std::size_t>(collider)];
+        if (carrier < 0 || count > votes[static_cast<std::size_t>(carrier)]) {
+          carrier = collider;
+        }
+      }
+    }
+  }
+  if (carrier >= 0) {
+    carrier_start = near.center(carrier);
+  }
 }
 
 // Leak, limits and books of the air; its push on what does not move.
@@ -286,7 +331,8 @@ void Cloth::State::end_air(double step, NearColliders& near) {
     volumes[i] = states[i].volume;
   }
   if (air_on) {
-    press_feet(near, step, false);
+    feel_air();
+    ColliderCoupling::push(near, step, air_colliders, foot_forces, world_feet);
   }
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const AirPocket& pocket = finder.pockets()[i];

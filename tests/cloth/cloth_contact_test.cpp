@@ -1,0 +1,186 @@
+// Cloth against the shapes of a Bullet world, movable ones too, and against itself.
+#include <gtest/gtest.h>
+
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleMesh.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "cloth_scene.h"
+#include "support/precision.h"
+
+namespace softpoint::cloth {
+namespace {
+
+constexpr double kDepth = 2e-4;  // m, no point may be deeper after a step
+
+struct ShapeCase {
+  const char* name;
+  std::function<btCollisionShape*()> make;
+  std::function<double(const Vec3&)> distance;  // m, of a point in the shape's frame, negative inside
+};
+
+double box_distance(const Vec3& p, const Vec3& half) {
+  const Vec3 q = p.cwiseAbs() - half;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+double capsule_distance(const Vec3& p, double radius, double half) {
+  return (p - Vec3(0, std::clamp(p.y(), -half, half), 0)).norm() - radius;
+}
+
+double cylinder_distance(const Vec3& p, double radius, double half) {
+  const Eigen::Vector2d q(std::hypot(p.x(), p.z()) - radius, std::abs(p.y()) - half);
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+
+btConvexHullShape* cube_hull(double half) {
+  auto* hull = new btConvexHullShape;
+  for (int i = 0; i < 8; ++i) {
+    hull->addPoint(btVector3(btScalar(i & 1 ? half : -half), btScalar(i & 2 ? half : -half),
+                             btScalar(i & 4 ? half : -half)));
+  }
+  return hull;
+}
+
+TEST(ClothContact, NoPointIsInAShapeAfterAStep) {
+  const ShapeCase cases[] = {
+      {"sphere", [] { return new btSphereShape(btScalar(0.1)); },
+       [](const Vec3& p) { return p.norm() - 0.1; }},
+      {"box", [] { return new btBoxShape(btVector3(btScalar(0.07), btScalar(0.05), btScalar(0.07))); },
+       [](const Vec3& p) { return box_distance(p, Vec3(0.07, 0.05, 0.07)); }},
+      {"capsule", [] { return new btCapsuleShape(btScalar(0.06), btScalar(0.08)); },
+       [](const Vec3& p) { return capsule_distance(p, 0.06, 0.04); }},
+      {"cylinder",
+       [] { return new btCylinderShape(btVector3(btScalar(0.08), btScalar(0.05), btScalar(0.08))); },
+       [](const Vec3& p) { return cylinder_distance(p, 0.08, 0.05); }},
+      {"hull", [] { return cube_hull(0.06); },
+       [](const Vec3& p) { return box_distance(p, Vec3(0.06, 0.06, 0.06)); }}};
+  for (const ShapeCase& c : cases) {
+    OverFloor scene(sheet(25), 0.25);
+    btRigidBody& body = scene.world.add(c.make(), 0, Vec3(0, 0.1, 0));
+    double deepest = 0, touched = 0;
+    for (int i = 0; i < 60; ++i) {
+      scene.world.step();
+      for (const Vec3& p : scene.cloth.points()) {
+        deepest = std::max(deepest, -c.distance(p - Vec3(0, 0.1, 0)));
+        deepest = std::max(deepest, -p.y());
+      }
+      for (const ContactPoint& point : scene.system.contacts()) {
+        touched += point.other == &body;
+      }
+    }
+    std::printf("    %-9s deepest %.3f mm, stretch %.4f\n", c.name, 1e3 * deepest,
+                scene.cloth.stretch().largest);
+    EXPECT_LT(deepest, kDepth) << c.name;
+    EXPECT_GT(touched, 10) << c.name;
+    EXPECT_EQ(scene.cloth.guard_fired(), 0) << c.name;
+  }
+}
+
+TEST(ClothContact, LiesOnAMeshAndACompound) {
+  btTriangleMesh triangles;
+  constexpr int kCells = 6;
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const auto at = [&](int a, int b) {
+        return btVector3(btScalar(0.1 * a - 0.3), btScalar(0.2), btScalar(0.1 * b - 0.3));
+      };
+      triangles.addTriangle(at(i, j), at(i, j + 1), at(i + 1, j + 1));
+      triangles.addTriangle(at(i, j), at(i + 1, j + 1), at(i + 1, j));
+    }
+  }
+  OverFloor scene(sheet(), 0.22);
+  scene.world.add(new btBvhTriangleMeshShape(&triangles, true), 0, Vec3::Zero());
+  for (int i = 0; i < 60; ++i) {
+    scene.world.step();
+    EXPECT_GT(lowest(scene.cloth), 0.2 - kDepth) << i;
+  }
+  EXPECT_NEAR(lowest(scene.cloth), 0.2 + 0.5 * scene.cloth.fabric().thickness, 1e-5);
+
+  OverFloor other(sheet(), 0.12);
+  auto* compound = new btCompoundShape;
+  for (const double x : {-0.1, 0.1}) {
+    btTransform place = btTransform::getIdentity();
+    place.setOrigin(btVector3(btScalar(x), btScalar(0.05), 0));
+    compound->addChildShape(
+        place, &other.world.keep(new btBoxShape(btVector3(btScalar(0.1), btScalar(0.05), btScalar(0.2)))));
+  }
+  other.world.add(compound, 0, Vec3::Zero());
+  for (int i = 0; i < 60; ++i) {
+    other.world.step();
+    EXPECT_GT(lowest(other.cloth), 0.1 - kDepth) << i;
+  }
+}
+
+// A box lighter than the cloth: an explicit push would throw it about.
+TEST(ClothContact, ALightBoxUnderAClothStaysWhereItIs) {
+  OverFloor scene(sheet(25), 0.06);
+  btRigidBody& box = scene.world.add_box(Vec3(0.05, 0.02, 0.05), 0.02, Vec3(0, 0.02, 0));
+  double fastest = 0;
+  for (int i = 0; i < 90; ++i) {
+    scene.world.step();
+    fastest = std::max(fastest, double(box.getLinearVelocity().length()));
+  }
+  EXPECT_LT(fastest, 1.5);  // m/s; it was hit at 0.5
+  EXPECT_NEAR(box.getWorldTransform().getOrigin().y(), 0.02, 1e-3);
+}
+
+TEST(ClothContact, WetClothLiftsALightBox) {
+  ClothDesign design = sheet(30);
+  design.saturation.assign(design.pattern.points.size(), 1.0);
+  OverFloor scene(design, 0.0404);
+  btRigidBody& box = scene.world.add_box(Vec3(0.05, 0.02, 0.05), 0.02, Vec3(0, 0.02, 0));
+  const int middle = 15 * 30 + 15;
+  const Vec3 start = scene.cloth.points()[middle];
+  const HandleId hand = scene.system.grab(scene.cloth, middle, start, 30.0);
+  scene.world.step(30);
+  double highest = 0;
+  for (int i = 0; i < 60; ++i) {
+    scene.system.move(hand, start + Vec3(0, 0.1 * (i + 1) / 60.0, 0));
+    scene.world.step();
+    highest = std::max(highest, double(box.getWorldTransform().getOrigin().y()));
+  }
+  EXPECT_GT(highest, 0.05);  // it came along
+  EXPECT_EQ(scene.cloth.guard_fired(), 0);
+  EXPECT_LT(scene.cloth.air_balance().audit, 1e-9);
+  std::printf("    lifted by %.1f cm, hand %.2f N\n", 100 * (highest - 0.02),
+              scene.system.handle_force(hand).norm());
+}
+
+// Stood on its lower edge it folds up on itself like a curtain that is let go.
+Mat3 on_edge() { return Eigen::AngleAxisd(0.1, Vec3(1, 0.3, 0.5).normalized()).toRotationMatrix(); }
+
+TEST(ClothContact, DroppedAndCrumpledItDoesNotPassThroughItself) {
+  const int points = full_tier() ? 50 : 16;
+  OverFloor scene(sheet(points), 0.18, on_edge());
+  int worst = 0, last = 0, met = 0;
+  const int frames = full_tier() ? 300 : 60;
+  for (int i = 1; i <= frames; ++i) {
+    scene.world.step();
+    met += scene.cloth.profile().counts.self_contacts;
+    if (i % 10 == 0) {
+      last = scene.cloth.count_intersections();
+      worst = std::max(worst, last);
+    }
+  }
+  std::printf("    %d points: most intersecting pairs on the way %d, at the end %d; %d corrections\n",
+              points * points, worst, last, met);
+  EXPECT_EQ(last, 0);
+  EXPECT_GT(met, 100);  // it did meet itself
+}
+
+TEST(ClothContact, WithoutSelfContactItPassesThroughItself) {
+  ClothDesign design = sheet(20);
+  design.self_contact.on = false;
+  OverFloor scene(design, 0.18, on_edge());
+  scene.world.step(90);
+  EXPECT_GT(scene.cloth.count_intersections(), 0);
+}
+
+}  // namespace
+}  // namespace softpoint::cloth
