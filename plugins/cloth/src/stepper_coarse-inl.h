@@ -10,11 +10,12 @@ void SweepStepper<T>::assemble_coarse() {
   const int n = in_->pattern.point_count();
   moves_.resize(n);
   inertia_.resize(n);
-  const T *free = arrays_.field(A::kFree), *touch = arrays_.field(A::kTouch), *mass = arrays_.field(A::kMass);
+  const T *free = arrays_.field(A::kFree), *touch = arrays_.field(A::kTouch),
+          *inertia = arrays_.field(A::kInertia);
   for (int p = 0; p < n; ++p) {
     const int slot = layout.slot_of[p];
     moves_[p] = free[slot] != T(0) && touch[slot] != T(1);
-    inertia_[p] = moves_[p] ? double(mass[slot]) * (1 + in_->fabric.drag_rate * h_) / (h_ * h_) : 0;
+    inertia_[p] = moves_[p] ? double(inertia[slot]) : 0;
   }
   coarse_->begin(inertia_);
   const std::vector<Spring>& springs = in_->pattern.springs;

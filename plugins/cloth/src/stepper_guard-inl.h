@@ -118,9 +118,15 @@ void SweepStepper<T>::guard() {
   }
   if (!(excess() <= kinetic)) {
     restore();
-    finish();
     work_ = before_;
-    for (int k = 0; k < 3; ++k) std::fill_n(arrays_.field(SweepArrays<T>::kC + k), arrays_.slots, T(0));
+    finish();
+    fresh_ = true;
+    const T* free = arrays_.field(SweepArrays<T>::kFree);
+    for (int k = 0; k < 3; ++k) {
+      std::fill_n(arrays_.field(SweepArrays<T>::kC + k), arrays_.slots, T(0));
+      T* w = arrays_.field(SweepArrays<T>::kW + k);
+      for (long i = 0; i < arrays_.slots; ++i) w[i] = free[i] == T(0) ? w[i] : T(0);
+    }
     energy = total_energy(&kinetic);
   }
   if (!fair()) {

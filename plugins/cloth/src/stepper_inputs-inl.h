@@ -30,12 +30,12 @@ void SweepStepper<T>::set_positions(std::span<const Vec3> positions) {
   for (std::size_t p = 0; p < positions.size(); ++p) {
     set_vector(SweepArrays<T>::kX, in_->layout.slot_of[p], positions[p] - origin_);
   }
-  contacts_dirty_ = set_anew_ = true;
+  contacts_dirty_ = set_anew_ = fresh_ = true;
 }
 
 template <class T>
 void SweepStepper<T>::set_velocities(std::span<const Vec3> velocities) {
-  set_anew_ = true;
+  set_anew_ = fresh_ = true;
   for (std::size_t p = 0; p < velocities.size(); ++p) {
     set_vector(SweepArrays<T>::kW, in_->layout.slot_of[p], velocities[p]);
   }
@@ -47,7 +47,7 @@ void SweepStepper<T>::move_origin(const Vec3& origin) {
   const Vec3 shift = origin_ - origin;
   for (int slot : in_->layout.slot_of) set_vector(SweepArrays<T>::kX, slot, local(slot) + shift);
   origin_ = origin;
-  contacts_dirty_ = set_anew_ = true;
+  contacts_dirty_ = set_anew_ = fresh_ = true;
 }
 
 template <class T>

@@ -57,13 +57,17 @@ struct SweepArrays {
     kF = 39,
     kH = 42,
     kM = 48,
-    kInertia = 51,
+    kP = 51,
+    kQ = 54,
+    kR = 57,
+    kInertia = 60,
     kFree,
     kLevel,
     kFriction,
     kAdhesion,
     kTouch,
     kMass,
+    kSecond,
     kFields
   };
   T* field(int f) const { return slot_block.get() + f * slots; }

@@ -86,27 +86,47 @@ int SweepStepper<T>::begin_frame(double dt) {
 }
 
 // Inertia's target, and the start of the sweeps: the way goes on as it was. To start from the target instead,
-// with gravity in, stretches cloth under tension thirty times more.
+// with gravity in, stretches cloth under tension thirty times more. Points that fly remember the small step
+// before: of second order, equation (1); those that touch begin anew.
 template <class T>
 void SweepStepper<T>::predict() {
   using A = SweepArrays<T>;
-  const double drag = 1 / (1 + in_->fabric.drag_rate * h_);
-  const T h = static_cast<T>(h_), scale = static_cast<T>(drag), stiff = static_cast<T>(1 / (drag * h_ * h_));
-  const T *free = arrays_.field(A::kFree), *mass = arrays_.field(A::kMass);
-  T* inertia = arrays_.field(A::kInertia);
-  for (long i = 0; i < arrays_.slots; ++i) inertia[i] = mass[i] * stiff;
+  const double ratio = h_before_ > 0 && !fresh_ ? h_ / h_before_ : HUGE_VAL;
+  const bool second = in_->settings.second_order && ratio <= 2;
+  const T past = static_cast<T>(second ? ratio * ratio / (1 + 2 * ratio) : 0);
+  shorter_ = second ? h_ * (1 + ratio) / (1 + 2 * ratio) : h_;
+  const double rate = in_->fabric.drag_rate;
+  const T h = static_cast<T>(h_), h2 = static_cast<T>(shorter_);
+  const T scale = static_cast<T>(h_ / (1 + rate * h_)),
+          scale2 = static_cast<T>(shorter_ / (1 + rate * shorter_));
+  const T stiff = static_cast<T>((1 + rate * h_) / (h_ * h_));
+  const T stiff2 = static_cast<T>((1 + rate * shorter_) / (shorter_ * shorter_));
+  const T *free = arrays_.field(A::kFree), *mass = arrays_.field(A::kMass), *touch = arrays_.field(A::kTouch);
+  T *inertia = arrays_.field(A::kInertia), *order = arrays_.field(A::kSecond);
+  for (long i = 0; i < arrays_.slots; ++i) {
+    order[i] = second && touch[i] == T(0) ? free[i] : T(0);
+    inertia[i] = mass[i] * (order[i] > T(0) ? stiff2 : stiff);
+  }
   for (int k = 0; k < 3; ++k) {
     T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k), *t = arrays_.field(A::kT + k);
+    T *p = arrays_.field(A::kP + k), *q = arrays_.field(A::kQ + k), *r = arrays_.field(A::kR + k);
     const T *w = arrays_.field(A::kW + k), *f = arrays_.field(A::kF + k);
     for (long i = 0; i < arrays_.slots; ++i) {
-      s[i] = x[i];
-      t[i] = x[i] + scale * h * (w[i] + h * f[i]);
+      const bool two = order[i] > T(0);
+      const T from = two ? x[i] + past * (x[i] - p[i]) : x[i];
+      const T speed = two ? w[i] + past * (w[i] - q[i]) : w[i];
+      s[i] = p[i] = x[i];
+      q[i] = w[i];
+      r[i] = from;
+      t[i] = from + (two ? scale2 * (speed + h2 * f[i]) : scale * (speed + h * f[i]));
       x[i] += free[i] * (h * w[i]);
     }
   }
   for (const Hand& hand : hands_) {
     if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
   }
+  h_before_ = h_;
+  fresh_ = false;
 }
 
 template <class T>
@@ -149,11 +169,12 @@ void SweepStepper<T>::sweep() {
 template <class T>
 void SweepStepper<T>::finish() {
   using A = SweepArrays<T>;
-  const T inverse = static_cast<T>(1 / h_);
+  const T inverse = static_cast<T>(1 / h_), inverse2 = static_cast<T>(1 / shorter_);
+  const T* order = arrays_.field(A::kSecond);
   for (int k = 0; k < 3; ++k) {
-    const T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k);
+    const T *x = arrays_.field(A::kX + k), *r = arrays_.field(A::kR + k);
     T* w = arrays_.field(A::kW + k);
-    for (long i = 0; i < arrays_.slots; ++i) w[i] = (x[i] - s[i]) * inverse;
+    for (long i = 0; i < arrays_.slots; ++i) w[i] = (x[i] - r[i]) * (order[i] > T(0) ? inverse2 : inverse);
   }
 }
 

@@ -127,6 +127,9 @@ class SweepStepper final : public ClothStepper {
   Vec3 origin_ = Vec3::Zero();
   double dt_ = 0, h_ = 0, time_ = 0;  // of the frame, of a small step, since the frame began
   double contacts_time_ = 0;          // when the contacts were set
+  double shorter_ = 0;                // of the small step as points of second order see it
+  double h_before_ = 0;               // of the small step before
+  bool fresh_ = true;                 // there is none before
   double springs_h_ = 0;              // what the dampers are made for
   bool masses_dirty_ = true, forces_dirty_ = true, springs_dirty_ = true, contacts_dirty_ = true,
        air_dirty_ = true;
