@@ -103,9 +103,45 @@ SOFTPOINT_INLINE void by_pocket(const SweepData<T>& d, long tile_index, long at,
   }
 }
 
+// Sums by pocket, flushed where the pocket changes: the lanes of a colour are added up but once.
+template <class T>
+struct PocketTotals {
+  PocketSums* sums;
+  int pocket = -1;
+  Pack<T> stiff{}, lag{}, fixed{};
+
+  SOFTPOINT_MEMBER void flush() {
+    if (pocket >= 0) {
+      sums[pocket].stiff += sum<T>(stiff);
+      sums[pocket].lag += sum<T>(lag);
+      sums[pocket].fixed += sum<T>(fixed);
+    }
+    stiff = lag = fixed = Pack<T>{};
+  }
+  SOFTPOINT_MEMBER void add(const SweepData<T>& d, long at, Pack<T> s, Pack<T> l, Pack<T> f) {
+    const int own = d.tile_pocket[at / kTile];
+    if (own == -2) {
+      for (int i = 0; i < Of<T>::lanes; ++i) {
+        const int p = d.slot_pocket[at + i];
+        if (p < 0) continue;
+        sums[p].stiff += static_cast<double>(s[i]);
+        sums[p].lag += static_cast<double>(l[i]);
+        sums[p].fixed += static_cast<double>(f[i]);
+      }
+      return;
+    }
+    if (own != pocket) flush();
+    pocket = own;
+    stiff += s;
+    lag += l;
+    fixed += f;
+  }
+};
+
 template <class T>
 void gather_colour(const SweepData<T>& d, const ColourPlan& c, bool air, PocketSums* sums) {
   Pack3<T> arms[kMaxRing];
+  PocketTotals<T> totals{sums};
   for (long tile = 0; tile < c.tiles; ++tile) {
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
@@ -123,10 +159,10 @@ void gather_colour(const SweepData<T>& d, const ColourPlan& c, bool air, PocketS
       store3(d.vx, d.vy, d.vz, at, v);
       store3(d.bx, d.by, d.bz, at, b);
       const Pack<T> apart = load(d.touch + at) > T(0) ? splat(T(0)) : load(d.free + at);
-      by_pocket(d, at / kTile, at, apart * dot(v, b), [sums](int p, double s) { sums[p].stiff += s; });
-      by_pocket(d, at / kTile, at, apart * dot(v, a), [sums](int p, double s) { sums[p].lag += s; });
+      totals.add(d, at, apart * dot(v, b), apart * dot(v, a), Pack<T>{});
     }
   }
+  totals.flush();
 }
 
 // What pushes each point at the pressures given, contact left out, into b: minus the gradient.

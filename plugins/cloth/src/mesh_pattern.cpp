@@ -27,6 +27,14 @@ double cotangent(const Vec3& at, const Vec3& b, const Vec3& c) {
 // across corner k. The fourth harmonic of the directions weighs most: the second one cancels between
 // neighbours.
 std::array<double, 3> edge_parts(const Vec3& p0, const Vec3& p1, const Vec3& p2) {
+  // By cotangents a uniform strain is in balance at every point; right angles would leave their hypotenuse
+  // nothing.
+  const double cot[3] = {cotangent(p0, p1, p2), cotangent(p1, p2, p0), cotangent(p2, p0, p1)};
+  if (std::min({cot[0], cot[1], cot[2]}) > 0.1) {
+    const double twice = 2 * (p1 - p0).cross(p2 - p0).norm();
+    return {cot[0] * (p2 - p1).squaredNorm() / twice, cot[1] * (p0 - p2).squaredNorm() / twice,
+            cot[2] * (p1 - p0).squaredNorm() / twice};
+  }
   const Vec3 along = (p1 - p0).normalized();
   const Vec3 across = (p2 - p0 - along * along.dot(p2 - p0)).normalized();
   const Vec3 edges[3] = {p2 - p1, p0 - p2, p1 - p0};

@@ -80,6 +80,7 @@ SOFTPOINT_INLINE Pack<T> contact(const SweepData<T>& d, long at, const Pack3<T>&
 template <class T>
 int move_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges, PocketSums* sums) {
   int changes = 0;
+  PocketTotals<T> totals{sums};
   for (long tile = 0; tile < c.tiles; ++tile) {
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
@@ -108,11 +109,10 @@ int move_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges
       const Mask<T> on = load(d.touch + at) > T(0);
       const Pack<T> apart = select<T>(on, Pack<T>{}, free);
       const Pack<T> kept = select<T>(on, free, Pack<T>{});
-      by_pocket(d, at / kTile, at, apart * dot(v, b), [sums](int p, double s) { sums[p].stiff += s; });
-      by_pocket(d, at / kTile, at, apart * dot(v, a), [sums](int p, double s) { sums[p].lag += s; });
-      by_pocket(d, at / kTile, at, kept * dot(v, dx), [sums](int p, double s) { sums[p].fixed += s; });
+      totals.add(d, at, apart * dot(v, b), apart * dot(v, a), kept * dot(v, dx));
     }
   }
+  totals.flush();
   return changes;
 }
 

@@ -2,6 +2,7 @@
 // by sweep_kernels-inl.h only, inside a namespace of its own for each instruction set.
 
 #define SOFTPOINT_INLINE static inline __attribute__((always_inline))
+#define SOFTPOINT_MEMBER inline __attribute__((always_inline))
 
 template <class T>
 struct Of;

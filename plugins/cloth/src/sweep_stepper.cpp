@@ -102,23 +102,24 @@ void SweepStepper<T>::predict() {
   const T stiff = static_cast<T>((1 + rate * h_) / (h_ * h_));
   const T stiff2 = static_cast<T>((1 + rate * shorter_) / (shorter_ * shorter_));
   const T *free = arrays_.field(A::kFree), *mass = arrays_.field(A::kMass), *touch = arrays_.field(A::kTouch);
+  const T allowed = second ? T(1) : T(0);
   T *inertia = arrays_.field(A::kInertia), *order = arrays_.field(A::kSecond);
   for (long i = 0; i < arrays_.slots; ++i) {
-    order[i] = second && touch[i] == T(0) ? free[i] : T(0);
-    inertia[i] = mass[i] * (order[i] > T(0) ? stiff2 : stiff);
+    order[i] = touch[i] == T(0) ? allowed * free[i] : T(0);
+    inertia[i] = mass[i] * (stiff + order[i] * (stiff2 - stiff));
   }
   for (int k = 0; k < 3; ++k) {
     T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k), *t = arrays_.field(A::kT + k);
     T *p = arrays_.field(A::kP + k), *q = arrays_.field(A::kQ + k), *r = arrays_.field(A::kR + k);
     const T *w = arrays_.field(A::kW + k), *f = arrays_.field(A::kF + k);
     for (long i = 0; i < arrays_.slots; ++i) {
-      const bool two = order[i] > T(0);
-      const T from = two ? x[i] + past * (x[i] - p[i]) : x[i];
-      const T speed = two ? w[i] + past * (w[i] - q[i]) : w[i];
+      const T back = past * order[i];  // without a branch: it runs over all points
+      const T from = x[i] + back * (x[i] - p[i]), speed = w[i] + back * (w[i] - q[i]);
       s[i] = p[i] = x[i];
       q[i] = w[i];
       r[i] = from;
-      t[i] = from + (two ? scale2 * (speed + h2 * f[i]) : scale * (speed + h * f[i]));
+      const T far = scale + order[i] * (scale2 - scale), long_step = h + order[i] * (h2 - h);
+      t[i] = from + far * (speed + long_step * f[i]);
       x[i] += free[i] * (h * w[i]);
     }
   }
@@ -174,7 +175,8 @@ void SweepStepper<T>::finish() {
   for (int k = 0; k < 3; ++k) {
     const T *x = arrays_.field(A::kX + k), *r = arrays_.field(A::kR + k);
     T* w = arrays_.field(A::kW + k);
-    for (long i = 0; i < arrays_.slots; ++i) w[i] = (x[i] - r[i]) * (order[i] > T(0) ? inverse2 : inverse);
+    for (long i = 0; i < arrays_.slots; ++i)
+      w[i] = (x[i] - r[i]) * (inverse + order[i] * (inverse2 - inverse));
   }
 }
 
