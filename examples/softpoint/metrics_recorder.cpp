@@ -80,7 +80,8 @@ MetricsRecorder::MetricsRecorder(Player& player)
       first_frame_(player.frame()),
       start_(measure_state(player)),
       now_(start_),
-      articulations_(player) {
+      articulations_(player),
+      sheets_(player) {
   largest_energy_ = least_energy_ = start_.energy();
 }
 
@@ -97,6 +98,7 @@ void MetricsRecorder::record() {
   penetration_.corner.take(penetration.corner);
 
   articulations_.record();
+  sheets_.record();
 
   const FrameWork& work = player_.work();
   seconds_.step.push_back(work.step_seconds);
@@ -159,6 +161,9 @@ std::string MetricsRecorder::json() const {
                            {"corner_in_skin", depth_json(penetration_.corner)}};
   if (ordered_json characters = articulations_.json(); !characters.empty()) {
     result["characters"] = std::move(characters);
+  }
+  if (ordered_json cloths = sheets_.json(); !cloths.empty()) {
+    result["cloths"] = std::move(cloths);
   }
   result["counts"] = {{"deformables", player_.deformable_count()},
                       {"rigid_bodies", player_.rigid_count()},

@@ -5,6 +5,7 @@
 
 #include "metrics_articulation.h"
 #include "metrics_penetration.h"
+#include "metrics_sheet.h"
 #include "metrics_state.h"
 #include "player.h"
 
@@ -35,6 +36,7 @@ class MetricsRecorder {
   double largest_energy_ = 0, least_energy_ = 0;
   Penetration penetration_;
   ArticulationRecorder articulations_;
+  SheetRecorder sheets_;
   Series seconds_;
   FrameWork sum_, largest_;
 };

@@ -13,6 +13,8 @@ constexpr double kCrease = 50.0;    // degrees: prisms of eight sides look round
 constexpr double kFlat = 1e-6;      // 1 - cosine of the angle between faces of a flat quad
 constexpr float kLighter = 0.55F;   // towards white
 constexpr double kEdgeWidth = 2.0;  // pixels
+constexpr double kFold = 80.0;      // degrees: cloth has no edges but its folds
+constexpr int kShades = 8;          // of wetness
 
 picture::Color rgb_color(const Vec3& rgb) {
   return {static_cast<float>(rgb.x()), static_cast<float>(rgb.y()), static_cast<float>(rgb.z())};
@@ -63,12 +65,28 @@ PiecePainter::PiecePainter(const Player& player, picture::Renderer& renderer, pi
     const DeformableSpec& spec = player.scene().deformables[k];
     const picture::Color own =
         spec.color ? rgb_color(*spec.color) : painter.material(player.deformable(k)).color;
-    const bool parts = player.articulation(k) != nullptr;
-    if (spec.look == Look::kSolid && !parts) continue;
+    const bool parts = player.articulation(k) != nullptr, sheet = player.sheet(k) != nullptr;
+    if (spec.look == Look::kSolid && !parts && !sheet) continue;
     painter.set_visible(player.deformable(k), false);
-    if (spec.look == Look::kSolid) add_pieces(k, own);
+    if (spec.look == Look::kSolid && parts) add_pieces(k, own);
+    if (spec.look == Look::kSolid && sheet) add_sheet(k, own);
     if (spec.look == Look::kEdges) add_edges(k, own);
   }
+}
+
+// The triangles between points of the mesh, to which the ones they have are added.
+std::vector<Triangle> PiecePainter::with_points_of(Mesh& mesh, const std::vector<Triangle>& triangles) {
+  std::map<int, int> renamed;
+  std::vector<Triangle> result;
+  for (Triangle t : triangles) {
+    for (int& v : t) {
+      const auto [entry, is_new] = renamed.try_emplace(v, static_cast<int>(mesh.points.size()));
+      if (is_new) mesh.points.push_back(v);
+      v = entry->second;
+    }
+    result.push_back(t);
+  }
+  return result;
 }
 
 void PiecePainter::add_pieces(std::size_t body, picture::Color own) {
@@ -80,25 +98,37 @@ void PiecePainter::add_pieces(std::size_t body, picture::Color own) {
     by_color[{color.r, color.g, color.b}].push_back(&piece);
   }
   for (const auto& [color, pieces] : by_color) {
-    Mesh mesh{body, {color[0], color[1], color[2]}, {}};
+    Mesh mesh{body, {color[0], color[1], color[2]}, {}, -1, 0, false};
     std::vector<Triangle> triangles;
     std::vector<Vec3> vertices;
     for (const Piece* piece : pieces) {
-      std::map<int, int> renamed;  // seams stay sharp: a piece's points are its own
-      for (Triangle t : piece->faces) {
-        for (int& v : t) {
-          const auto [entry, is_new] = renamed.try_emplace(v, static_cast<int>(mesh.points.size()));
-          if (is_new) {
-            mesh.points.push_back(v);
-            vertices.push_back(points[static_cast<std::size_t>(v)]);
-          }
-          v = entry->second;
-        }
-        triangles.push_back(t);
-      }
+      // Seams stay sharp: a piece's points are its own.
+      const std::vector<Triangle> own_points = with_points_of(mesh, piece->faces);
+      triangles.insert(triangles.end(), own_points.begin(), own_points.end());
     }
     if (triangles.empty()) continue;
+    for (const int p : mesh.points) vertices.push_back(points[static_cast<std::size_t>(p)]);
     mesh.mesh = renderer_.add_mesh(vertices, triangles, kCrease);
+    meshes_.push_back(std::move(mesh));
+  }
+}
+
+// A mesh for each of a few shades of wetness: water is painted on points, faces have the mean of theirs.
+void PiecePainter::add_sheet(std::size_t body, picture::Color own) {
+  const auto points = player_.deformable(body).points();
+  const auto saturation = player_.sheet(body)->saturation();
+  std::map<int, std::vector<Triangle>> by_shade;
+  for (const Triangle& t : player_.deformable(body).faces()) {
+    double sum = 0;
+    for (const int v : t) sum += saturation.empty() ? 0.0 : saturation[static_cast<std::size_t>(v)];
+    by_shade[static_cast<int>(std::lround(sum / 3 * kShades))].push_back(t);
+  }
+  for (const auto& [shade, triangles] : by_shade) {
+    Mesh mesh{body, own, {}, -1, static_cast<double>(shade) / kShades, true};
+    const std::vector<Triangle> renamed = with_points_of(mesh, triangles);
+    std::vector<Vec3> vertices;
+    for (const int p : mesh.points) vertices.push_back(points[static_cast<std::size_t>(p)]);
+    mesh.mesh = renderer_.add_mesh(vertices, renamed, kFold);
     meshes_.push_back(std::move(mesh));
   }
 }
@@ -117,6 +147,8 @@ void PiecePainter::draw() {
     picture::Material material;
     material.color = mesh.color;
     material.wireframe = player_.overlays().wireframe;
+    material.wetness = mesh.wetness;
+    material.two_sided = mesh.two_sided;
     renderer_.draw_mesh(mesh.mesh, material);
   }
   for (const Edges& body : edges_) {

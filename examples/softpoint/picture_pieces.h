@@ -10,7 +10,8 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
 // Draws the deformables of a scene that are not of one colour all over: bodies of parts, whose segments
-// alternate, and those that show their edges alone. Takes them out of the painter's hands.
+// alternate, cloths, which are darker and shine where they are wet, and those that show their edges alone.
+// Takes them out of the painter's hands.
 class PiecePainter {
  public:
   PiecePainter(const Player& player, picture::Renderer& renderer, picture::WorldPainter& painter);
@@ -24,6 +25,8 @@ class PiecePainter {
     picture::Color color;
     std::vector<int> points;  // of the body
     int mesh = -1;
+    double wetness = 0;
+    bool two_sided = false;
   };
   struct Edges {
     std::size_t body = 0;
@@ -31,7 +34,9 @@ class PiecePainter {
     std::vector<std::array<int, 2>> edges;
   };
 
+  static std::vector<Triangle> with_points_of(Mesh& mesh, const std::vector<Triangle>& triangles);
   void add_pieces(std::size_t body, picture::Color own);
+  void add_sheet(std::size_t body, picture::Color own);
   void add_edges(std::size_t body, picture::Color own);
 
   const Player& player_;

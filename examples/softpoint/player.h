@@ -51,6 +51,8 @@ class Player {
   const Deformable& deformable(std::size_t k) const { return *deformables_[k].body; }
   // Of a body of parts; else null.
   const Articulation* articulation(std::size_t k) const { return deformables_[k].articulation.get(); }
+  // Of a cloth; else null.
+  const Sheet* sheet(std::size_t k) const { return deformables_[k].sheet.get(); }
   // Is the body in the world now, or switched off?
   bool present(BodyRef body) const;
   // Centre of mass (m); of a plane, its position.

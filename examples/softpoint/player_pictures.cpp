@@ -55,6 +55,7 @@ PictureTaker::PictureTaker(Player& player, const PictureOptions& options)
       renderer_((make_folder(options.folder), render_settings(options))),
       painter_(renderer_),
       pieces_(player, renderer_, painter_),
+      curves_(player),
       sheet_(sheet_settings(player.scene().pictures, options.width)) {
   const PictureSpec& spec = player.scene().pictures;
   const double step = player.scene().world.time_step;
@@ -111,6 +112,7 @@ int PictureTaker::film_frames_due() const {
 }
 
 void PictureTaker::take() {
+  if (options_.pictures && curves_.wanted()) curves_.record();
   const bool picture = picture_due();
   const int film_frames = film_frames_due();
   if (!picture && film_frames <= 0) {
@@ -133,6 +135,10 @@ void PictureTaker::finish() {
   if (sheet_.count() > 0) {
     files_.push_back("sheet.png");
     picture::write_png((options_.folder / files_.back()).string(), sheet_.image());
+  }
+  if (options_.pictures && curves_.wanted()) {
+    files_.push_back("curves.png");
+    picture::write_png((options_.folder / files_.back()).string(), curves_.image());
   }
   if (film_ != nullptr) {
     film_->close();

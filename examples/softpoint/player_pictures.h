@@ -9,6 +9,7 @@
 #include "picture_output.h"
 #include "picture_pieces.h"
 #include "player.h"
+#include "sheet_curves.h"
 #include "softpoint/picture/contact_sheet.h"
 #include "softpoint/picture/renderer.h"
 #include "softpoint/picture/video.h"
@@ -16,7 +17,8 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
-// Draws a scene in play: pictures at the frames it asks for, a contact sheet of them, and a film.
+// Draws a scene in play: pictures at the frames it asks for, a contact sheet of them, curves over time where
+// there is cloth, and a film.
 class PictureTaker final : public PictureOutput {
  public:
   // Throws Error for a folder that cannot be written, or where no video can be made.
@@ -44,6 +46,7 @@ class PictureTaker final : public PictureOutput {
   picture::Renderer renderer_;
   picture::WorldPainter painter_;
   PiecePainter pieces_;
+  SheetCurves curves_;  // curves.png
   picture::ContactSheet sheet_;
   std::unique_ptr<picture::VideoWriter> film_;
   double film_fps_ = 0;

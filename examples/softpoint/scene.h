@@ -11,6 +11,7 @@
 
 #include "articulation.h"
 #include "scene_path.h"
+#include "sheet.h"
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/core/triangle_mesh.h"
 
@@ -87,6 +88,7 @@ struct DeformableActor {
   std::unique_ptr<Deformable> body;
   std::map<std::string, std::function<void(bool)>> switches;
   std::unique_ptr<Articulation> articulation;  // of a body of parts
+  std::unique_ptr<Sheet> sheet;                // of a cloth
 };
 
 // What making a deformable starts from. `before`: the bodies before it in the scene, made already.

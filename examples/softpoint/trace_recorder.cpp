@@ -7,6 +7,7 @@
 
 #include "bullet_border.h"
 #include "metrics_penetration.h"
+#include "metrics_sheet.h"
 #include "metrics_state.h"
 #include "softpoint/core/error.h"
 
@@ -43,8 +44,13 @@ void TraceRecorder::head() {
       csv_ += fmt::format(",{}", quoted(fmt::format("{}.{}", name, field)));
     }
   };
-  for (const DeformableSpec& spec : scene.deformables) {
-    columns(spec.name, {"x", "y", "z", "vx", "vy", "vz", "elastic"});
+  for (std::size_t k = 0; k < scene.deformables.size(); ++k) {
+    columns(scene.deformables[k].name, {"x", "y", "z", "vx", "vy", "vz", "elastic"});
+    if (player_.sheet(k) != nullptr) {
+      columns(scene.deformables[k].name,
+              {"bubbles", "volume", "gauge", "stretch", "stretch_99", "stretch_mean", "contact_area",
+               "contact_force", "lowest", "highest"});
+    }
   }
   for (const RigidBodySpec& spec : scene.rigid_bodies) {
     if (spec.mass > 0.0) {
@@ -78,6 +84,15 @@ void TraceRecorder::row() {
     put_vec(body.center_of_mass());
     put_vec(body.momentum() / body.total_mass());
     put(body.elastic_energy());
+    if (const Sheet* sheet = player_.sheet(k); sheet != nullptr) {
+      const SheetState cloth = sheet->measure();
+      const Heights heights = heights_of(body);
+      for (const double value :
+           {static_cast<double>(cloth.bubbles), cloth.volume, cloth.gauge, cloth.stretch, cloth.stretch_99,
+            cloth.stretch_mean, cloth.contact_area, cloth.contact_force, heights.lowest, heights.highest}) {
+        put(value);
+      }
+    }
   }
   for (std::size_t k = 0; k < player_.rigid_count(); ++k) {
     if (player_.rigid(k).mass() > 0.0) {

@@ -7,7 +7,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 
 // A row a frame: time, energies, contacts, penetration, then per body that can move its centre of mass and
-// velocity (and of a deformable its elastic energy), and per handle its force. SI units. Rows are the same
+// velocity (and of a deformable its elastic energy, of a cloth its air and stretch), and per handle its force. SI units. Rows are the same
 // for the same scene and precision.
 class TraceRecorder {
  public:

@@ -15,6 +15,7 @@ using std::numbers::pi;
 
 constexpr std::array kLengths{Unit{"m", 1, 1}, Unit{"cm", 1, 100}, Unit{"mm", 1, 1000}, Unit{"km", 1000, 1}};
 constexpr std::array kAreas{Unit{"m2", 1, 1}, Unit{"cm2", 1, 1e4}, Unit{"mm2", 1, 1e6}};
+constexpr std::array kVolumes{Unit{"m3", 1, 1}, Unit{"l", 1, 1e3}, Unit{"cm3", 1, 1e6}, Unit{"ml", 1, 1e6}};
 constexpr std::array kMasses{Unit{"kg", 1, 1}, Unit{"g", 1, 1000}, Unit{"t", 1000, 1}};
 constexpr std::array kTimes{Unit{"s", 1, 1}, Unit{"ms", 1, 1000}, Unit{"min", 60, 1}};
 constexpr std::array kFrequencies{Unit{"Hz", 1, 1}, Unit{"kHz", 1000, 1}};
@@ -45,6 +46,7 @@ constexpr std::array kKinds{
     Kind{Quantity::kNumber, "number", {}},
     Kind{Quantity::kLength, "length", kLengths},
     Kind{Quantity::kArea, "area", kAreas},
+    Kind{Quantity::kVolume, "volume", kVolumes},
     Kind{Quantity::kMass, "mass", kMasses},
     Kind{Quantity::kTime, "time", kTimes},
     Kind{Quantity::kFrequency, "frequency", kFrequencies},

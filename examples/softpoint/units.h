@@ -14,6 +14,7 @@ enum class Quantity {
   kNumber,  // without dimension
   kLength,
   kArea,
+  kVolume,
   kMass,
   kTime,
   kFrequency,

@@ -156,6 +156,10 @@ TEST(BubbleVolume, OfAClosedClothIsThatOfItsFaces) {
   EXPECT_NEAR(finder.volume(0, positions), signed_volume(mesh), 1e-12);
   EXPECT_NEAR(finder.volume(0, positions), 4 * kPi / 3 * 1e-3, 0.03 * 4 * kPi / 3 * 1e-3);
   EXPECT_NEAR(finder.pockets()[0].air, 101325 * signed_volume(mesh), 1e-6);
+  settings.initial_volume = 5e-3;  // blown up
+  BubbleFinder full(make_air_topology(mesh.vertices, mesh.triangles), settings);
+  full.find({positions, feet, normals, gaps});
+  EXPECT_NEAR(full.pockets()[0].air, 101325 * 5e-3, 1e-9);
 }
 
 TEST(BubbleVolume, OfAClothThatLiesFaceDownIsPositiveToo) {

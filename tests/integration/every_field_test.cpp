@@ -87,6 +87,41 @@ std::vector<json> characters() {
   return all;
 }
 
+// Cloths cut from every kind of pattern.
+std::vector<json> cloths() {
+  std::vector<json> all;
+  json d = scene();
+  d["deformables"][0] = json::parse(R"({"name": "cube", "plugin": "cloth", "position": [0, 0.01, 0],
+    "pattern": {"kind": "square", "points": [4, 4], "size": [0.2, 0.2], "lumping": "area",
+      "bumps": [{"at": [0, 0, 0], "radius": 0.08, "height": 0.02}]},
+    "fabric": {"weave": "satin", "fiber": "silk", "area_density": 0.1, "warp_stiffness": 1e4, "weft_stiffness": 1e4,
+      "shear_stiffness": 100, "bending_stiffness": 1e-5, "compression_ratio": 0.1, "damping_time": 1e-4,
+      "drag_rate": 1, "thickness": 3e-4},
+    "wetness": {"saturation": 1, "capacity": 0.7, "friction_factor": 3, "warp_factor": 1, "weft_factor": 1,
+      "shear_factor": 1, "bending_factor": 1, "paint": [{"at": [0.1, 0, 0], "radius": 0.05, "saturation": 0.5}]},
+    "air": {"bubbles": "found", "ambient": 101325, "initial_volume": 1e-4, "touch_gap": 3e-4, "release_gap": 1e-3,
+      "lifetime": 3, "min_thickness": 1e-5, "limit_suction": true, "surface_tension": 0.07, "contact_angle": 0,
+      "pore_diameter": 5e-5, "vapour_pressure": 2340, "leak": true, "permeability": 1e-3, "vent": true,
+      "viscosity": 18e-6, "film_gap": 2e-4, "bridge_gap": 2.7e-3, "rim_width": 5e-3, "wet": 0.3, "adhesion": true},
+    "solver": {"dial": "default", "max_substep": 1e-3, "max_move": 0.25, "max_substeps": 40, "sweeps": 2,
+      "coarse_every": 1, "coarse_points": 7, "guard": true, "precision": "double"},
+    "self_contact": {"on": true, "friction": 0.3}})");
+  all.push_back(d);
+  d["deformables"][0]["paper"] = json::parse(R"({"step": 1e-4, "pressure": "constant_area", "friction": "forces",
+    "sphere_diameter": 0.01, "sphere_friction": 0.3, "simd": true, "precision": "double"})");
+  d["deformables"][0]["air"]["bubbles"] = "one";
+  all.push_back(d);
+  d["deformables"][0].erase("paper");
+  d["deformables"][0]["air"]["bubbles"] = "found";
+  d["deformables"][0]["pattern"] = json::parse(R"({"kind": "sphere", "radius": 0.1, "subdivisions": 0})");
+  d["deformables"][0]["position"] = {0, 0.2, 0};
+  all.push_back(d);
+  d["deformables"][0]["pattern"] = json::parse(R"({"kind": "obj", "file": "gem.obj", "scale": 1})");
+  d["deformables"][0]["position"] = {0, 1, 0};
+  all.push_back(d);
+  return all;
+}
+
 // Small documents that hold all keys between them.
 std::vector<json> scenes() {
   std::vector<json> all;
@@ -183,6 +218,7 @@ std::vector<json> scenes() {
     all.push_back(d);
   }
   for (json& character : characters()) all.push_back(std::move(character));
+  for (json& cloth : cloths()) all.push_back(std::move(cloth));
   return all;
 }
 

@@ -100,14 +100,14 @@ void BubbleFinder::count_changes() {
 // shared by volume. Without any volume it rests on the cloth's faces.
 void BubbleFinder::first_air() {
   double volume = 0;
-  for (const Bubble& bubble : bubbles_) volume += bubble.closed ? 0.0 : std::max(bubble.volume, 0.0);
+  for (int i = 0; i < bubble_count_; ++i) volume += std::max(bubbles_[i].volume, 0.0);
   const bool first = !started_;
   started_ = true;
   double made = 0;
   for (int i = 0; i < bubble_count_; ++i) {
     const double share = std::max(bubbles_[i].volume, 0.0);
     double air = settings_.ambient * share;
-    if (first && settings_.initial_volume && !bubbles_[i].closed) {
+    if (first && settings_.initial_volume) {
       air = volume > 0 ? settings_.ambient * *settings_.initial_volume * (share / volume) : 0.0;
     }
     pockets_[i].air = air;

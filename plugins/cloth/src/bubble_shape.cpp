@@ -138,6 +138,9 @@ void BubbleFinder::close_pockets() {
   }
 }
 
+// m; a patch at rest is closed by that much, or rounding would decide between no suction and all of it.
+constexpr double kPatchSlack = 1e-9;
+
 // A patch counts its volume from where it is now: suction lets none of it open, and pushes nothing.
 void BubbleFinder::close_patches(std::span<const Vec3> positions) {
   if (bubble_count_ == static_cast<int>(pockets_.size())) return;
@@ -151,7 +154,10 @@ void BubbleFinder::close_patches(std::span<const Vec3> positions) {
     if (rim.pocket < bubble_count_) continue;
     pockets_[rim.pocket].closure -= cone(positions[rim.b], positions[rim.a], rim.foot_a, rim.foot_b);
   }
-  for (std::size_t i = bubble_count_; i < pockets_.size(); ++i) pockets_[i].max_gauge = 0;
+  for (std::size_t i = bubble_count_; i < pockets_.size(); ++i) {
+    pockets_[i].max_gauge = 0;
+    pockets_[i].closure -= pockets_[i].side * kPatchSlack * bubbles_[i].area;
+  }
 }
 
 void BubbleFinder::adhere(std::span<const double> gaps) {

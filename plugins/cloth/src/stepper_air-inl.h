@@ -190,6 +190,8 @@ void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
     q = -2 * c / (b + root);
   } else if (s > 0) {
     q = (root - b) / (2 * s);
+  } else if (pocket.max_gauge <= 0) {
+    q = pocket.max_gauge;  // a patch of which nothing wants to lift
   }
   // Without air there is nothing to push with, not even where a fold makes the volume negative.
   const double most = pocket.air > 0 ? pocket.max_gauge : std::min(0.0, pocket.max_gauge);

@@ -19,7 +19,8 @@ enum class Bubbles {
 struct AirSettings {
   Bubbles bubbles = Bubbles::kFound;
   double ambient = 101325;  // Pa, 0 to 1e9; standard atmosphere, as in the thesis
-  // m3 at ambient pressure, 0 to 1e6: the air under the cloth when it is made; absent: what is there.
+  // m3 at ambient pressure, 0 to 1e6: the air under the cloth, or in it, when it is made; absent: what is
+  // there.
   std::optional<double> initial_volume;
 
   // Touch, found once a frame.
