@@ -58,7 +58,7 @@ def main():
             axis.set_ylabel(name)
         axes[0][column].set_title(TITLE.get(task, task))
         axes[1][column].set_xlabel("ms a frame of 1/60 s, CPU time")
-    axes[0][0].legend(fontsize=8)
+    axes[1][0].legend(fontsize=8)
     points = [int(row["points"]) for row in sizes]
     for line, (keys, name) in enumerate(((("solver_ms_per_frame",), "ms a frame of 1/60 s"),
                                          (("thesis_ms_per_step", "paper_scalar_ms_per_step", "paper_simd_ms_per_step"),
