@@ -8,12 +8,6 @@
 #include "index.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
-namespace {
-
-// Sweeps that are left to themselves: most scenes need no more.
-constexpr int kPlainSweeps = 12;
-
-}  // namespace
 
 void ContactSolver::begin_step(std::span<Deformable* const> bodies, double dt) {
   dt_ = dt;
@@ -220,11 +214,7 @@ void ContactSolver::solve(std::span<Deformable* const> bodies, std::vector<Conta
   StageTimer timer(profile.seconds.solve);
   prepare_rows(bodies, contacts, handles, rigid);
   support.reapply(rigid);
-  accelerating_ = false;
   for (int i = 0; i < settings.max_iterations; ++i) {
-    if (i >= kPlainSweeps) {
-      accelerate(contacts, rigid);
-    }
     double change = sweep_contacts(contacts, rigid);
     // A handle is to be exact, so it is asked for ten times more than a contact.
     change = std::max(change, 10.0 * handle_solver_.sweep(handles, touched_, rigid));

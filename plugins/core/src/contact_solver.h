@@ -6,7 +6,6 @@
 #include "handle_solver.h"
 #include "softpoint/core/deformable_system.h"
 #include "support_contacts.h"
-#include "sweep_acceleration.h"
 #include "touched_points.h"
 
 namespace softpoint::inline SOFTPOINT_ABI {
@@ -55,20 +54,11 @@ class ContactSolver {
                 RigidStates& rigid);
   static Vec3 in_cone(const Contact& contact, const Vec3& impulse);
   double sweep_contacts(std::vector<Contact>& contacts, RigidStates& rigid);
-  void find_clusters(const std::vector<Contact>& contacts, const RigidStates& rigid);
-  void accelerate(std::vector<Contact>& contacts, RigidStates& rigid);
 
   double dt_ = 0;
   std::vector<TouchedPoints> touched_;
   std::vector<Row> rows_;
   HandleSolver handle_solver_;
-  // Contacts that answer one another, through parts that hang together and bodies that move.
-  std::vector<std::vector<int>> members_;  // of each cluster
-  std::vector<int> cluster_of_;            // of each point and collider; -1
-  std::vector<SweepAcceleration> accelerations_;
-  std::vector<int> joined_;
-  std::size_t clusters_ = 0;
-  bool accelerating_ = false;  // the accelerations know where the last sweep began
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI
