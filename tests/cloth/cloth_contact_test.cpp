@@ -182,5 +182,22 @@ TEST(ClothContact, WithoutSelfContactItPassesThroughItself) {
   EXPECT_GT(scene.cloth.count_intersections(), 0);
 }
 
+// The air under it leaves while the rim is open, as fast as the sheet falls: none is left to throw it up again.
+TEST(ClothContact, AWetSheetThatFallsFlatStaysDown) {
+  ClothDesign design = sheet(21);
+  design.saturation.assign(design.pattern.points.size(), 1.0);
+  OverFloor scene(design, 0.02);
+  double highest = 0;
+  for (int i = 0; i < 60; ++i) {
+    scene.world.step(1);
+    for (const Vec3& p : scene.cloth.points()) highest = std::max(highest, p.y());
+  }
+  EXPECT_LE(highest, 0.02);
+  EXPECT_LE(scene.cloth.max_speed(), 1e-3);
+  const AirBalance air = scene.cloth.air_balance();
+  EXPECT_LE(std::abs(air.audit), 1e-9 * std::max(air.initial, std::abs(air.vented)));
+  EXPECT_EQ(scene.cloth.guard_fired(), 0);
+}
+
 }  // namespace
 }  // namespace softpoint::cloth

@@ -282,11 +282,12 @@ void BubbleFinder::exchange(double dt, std::span<const double> volumes) {
     AirPocket& pocket = pockets_[i];
     const Bubble& bubble = bubbles_[i];
     const double volume = volumes[i];
-    if (bubble.patch || bubble.thin || !(volume > 0)) continue;
+    if (bubble.patch || bubble.thin) continue;
     if (pocket.open) {
-      vent(static_cast<int>(i), pocket.air - ambient * volume);
+      vent(static_cast<int>(i), pocket.air - ambient * std::max(volume, 0.0));
       continue;
     }
+    if (!(volume > 0)) continue;
     // Air that burst through the pores within the frame, while suction stood at its limit.
     const double least = std::max(ambient - pocket.max_suction, 0.0) * volume;
     if (pocket.air < least) vent(static_cast<int>(i), pocket.air - least);

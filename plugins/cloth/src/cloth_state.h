@@ -36,6 +36,7 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   ClothHand hand_for(const HeldPoint& held, double rest, const NearColliders& near) const;
   void follow(NearColliders& near, double rest, std::span<HeldPoint> held);
   void feel_air();
+  void measure_open_bubbles();
   void carry_air(const NearColliders& near);
   void choose_carrier(const NearColliders& near);
   void couple(double h, NearColliders& near, std::span<HeldPoint> held);

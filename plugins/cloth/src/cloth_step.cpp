@@ -334,6 +334,7 @@ void Cloth::State::end_air(double step, NearColliders& near) {
     feel_air();
     ColliderCoupling::push(near, step, air_colliders, foot_forces, world_feet);
   }
+  measure_open_bubbles();
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const AirPocket& pocket = finder.pockets()[i];
     const Bubble& bubble = finder.bubbles()[i];
@@ -346,6 +347,22 @@ void Cloth::State::end_air(double step, NearColliders& near) {
     profile.counts.pockets += !pocket.open;
   }
   finder.exchange(step, volumes);
+}
+
+// The solver has no use for their volumes, but the books have: what is under a sheet that falls flat leaves
+// with its volume, or it would burst out again once the rim is sealed.
+void Cloth::State::measure_open_bubbles() {
+  bool placed = false;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    if (!finder.pockets()[i].open || finder.bubbles()[i].patch || finder.bubbles()[i].thin) {
+      continue;
+    }
+    for (std::size_t v = 0; v < positions.size() && !placed; ++v) {
+      local_positions[v] = positions[v] - air_origin - air_shift;
+    }
+    placed = true;
+    volumes[i] = finder.volume(static_cast<int>(i), local_positions);
+  }
 }
 
 // Contact forces as means over the step, and what is kept for the next one.
