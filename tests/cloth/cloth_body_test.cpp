@@ -25,7 +25,9 @@ TEST(ClothBody, LiesOnAFloorWithItsWeight) {
 }
 
 TEST(ClothBody, DryClothPaysNothingForAirAndFlatClothNothingForItself) {
-  OverFloor scene;
+  ClothDesign design = sheet();
+  design.self_contact.on = true;
+  OverFloor scene(design);
   scene.world.step(5);
   for (int i = 0; i < 20; ++i) {
     scene.world.step();

@@ -64,11 +64,18 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
 
 // Whether cloth may meet cloth in this frame; what is held does not give way then.
 void Cloth::State::begin_self(std::span<const HeldPoint> held) {
-  if (!design.self_contact.on) {
-    return;
+  self_near = false;
+  if (design.self_contact.on) {
+    StageTimer timer(profile.seconds.self);
+    self_near = self.begin_frame(positions, velocities, dt);
   }
-  StageTimer timer(profile.seconds.self);
-  self_near = self.begin_frame(positions, velocities, dt);
+  // Corrections by the pass are no motion that a step of second order could go on from: it gains energy by
+  // them.
+  ClothSettings dial = solver.settings();
+  if (const bool second = design.solver.second_order && !self_near; second != dial.second_order) {
+    dial.second_order = second;
+    solver.set_settings(dial);
+  }
   if (!self_near) {
     return;
   }
@@ -395,6 +402,7 @@ void Cloth::State::read(double step, NearColliders& near, std::span<HeldPoint> h
   profile.counts.self_patches = self.counts.patch_pairs;
   profile.counts.self_pairs = self.counts.pairs;
   profile.counts.self_contacts = self.counts.contacts;
+  profile.counts.self_dropped = self.counts.dropped;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::cloth

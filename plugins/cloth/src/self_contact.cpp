@@ -9,6 +9,13 @@
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 namespace {
 
+// What a frame may cost at most, however wild: pairs a point, pairs of faces a face, searches. What is left
+// out is counted (Counts::dropped).
+constexpr std::size_t kMostPairs = 16;
+constexpr int kMostFacePairs = 24;
+constexpr int kMostSearches = 10;
+// Two faces give at most nine pairs of edges and six of points and faces.
+constexpr std::size_t kPairsOfFaces = 15;
 // Of the spacing: how far points move before near pairs are looked for anew.
 constexpr double kRoom = 0.3;
 // Rounds of corrections after a small step.
@@ -29,6 +36,8 @@ bool SelfContactPass::before_in_list(const Pair& a, const Pair& b) {
 SelfContactPass::SelfContactPass(const ClothPattern& pattern, double thickness)
     : patches_(pattern), thickness_(thickness), room_(kRoom * pattern.spacing) {
   searched_at_.assign(pattern.points.size(), Vec3::Zero());
+  pairs_.reserve(kMostPairs * pattern.points.size() + kPairsOfFaces);
+  crossed_.reserve(pairs_.capacity());
 }
 
 void SelfContactPass::forget() {
@@ -97,8 +106,13 @@ void SelfContactPass::search(std::span<const Vec3> positions) {
   std::sort(crossed_.begin(), crossed_.end(), before_in_list);
   travel_ = 0;
   pairs_.clear();
+  most_face_pairs_ = kMostFacePairs * static_cast<int>(patches_.faces().size());
   patches_.measure(positions, 0.5 * reach_);
   counts.patch_pairs = patches_.near_faces(positions, reach_, [&](int face, int other) {
+    if (--most_face_pairs_ < 0 || pairs_.size() + kPairsOfFaces > pairs_.capacity()) {
+      ++counts.dropped;
+      return;
+    }
     consider(face, other, positions);
     consider(other, face, positions);
   });
@@ -273,9 +287,11 @@ bool SelfContactPass::separate(const Pair& pair, const Gap& gap, const Points& p
 
 bool SelfContactPass::correct(const Points& points, double friction) {
   const double moved = spread(points.positions, points.before);
-  if (!known_ || spread(points.positions, searched_at_) >= 0.5 * (reach_ - thickness_)) {
+  const bool may_search = counts.searches < kMostSearches;
+  if (!known_ || (may_search && spread(points.positions, searched_at_) >= 0.5 * (reach_ - thickness_))) {
     // Of this small step alone: all that can meet within it has to be found, where it began.
-    reach_ = thickness_ + std::max(room_, 2.5 * moved);
+    // Beyond two rooms every face has every neighbour near: violent motion may miss some.
+    reach_ = thickness_ + std::clamp(2.5 * moved, room_, 2.0 * room_);
     search(points.before);
   }
   if (pairs_.empty()) {

@@ -32,6 +32,7 @@ class SelfContactPass {
     int patch_pairs = 0;  // looked at in the last search
     int pairs = 0;        // near each other
     int contacts = 0;     // corrections made
+    int dropped = 0;      // pairs of faces left out, beyond what a frame may cost
   };
 
   // At the start of a frame: whether cloth may meet cloth in it at all. What moves much slower than the room
@@ -73,7 +74,8 @@ class SelfContactPass {
   double room_;       // m, points move half of it before pairs are looked for anew
   double reach_ = 0;  // m, of the search
   bool known_ = false;
-  double travel_ = 0;  // m, sum of how far two points can have come nearer each other
+  int most_face_pairs_ = 0;  // that the search at work may still look at
+  double travel_ = 0;        // m, sum of how far two points can have come nearer each other
   std::vector<Vec3> searched_at_;
   std::vector<Pair> pairs_, crossed_;
 };

@@ -18,7 +18,7 @@ namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
 // Whether and how a cloth meets itself.
 struct SelfContact {
-  bool on = true;         // off: it passes through itself
+  bool on = false;  // off: it passes through itself; on: motion is of first order in time where it may meet
   double friction = 0.3;  // of cloth on cloth, Coulomb's coefficient; 0 to 100
 };
 // Throws Error naming the field, as "<name>.friction".
