@@ -36,7 +36,7 @@ TEST(ReferenceLift, DISABLED_TwoPointsByTheDefaultDial) {
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
-TEST(ReferenceLift, DISABLED_CentreByTheExactDial) {
+TEST(ReferenceLift, CentreByTheExactDial) {
   if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
   const ClothErrors errors = errors_of(centre_lift(), Dial::kExact);
   EXPECT_LT(errors.force, 0.03);
