@@ -261,6 +261,7 @@ void Cloth::archive_state(StateArchive& archive) {
                    state_hash(s.wet.springs.data(), 0) ^ static_cast<std::uint64_t>(s.wet.springs.size()));
   archive.number("solver.max_substep", s.design.solver.max_substep, kMinSubstep, 1.0);
   archive.vector("wind", s.wind);
+  archive.integer("solver.calm", s.solver.guard_calm(), 0, 2147483647);
   s.finder.archive(archive);
   s.self.archive(archive, static_cast<int>(positions_.size()));
   archive.list("targets", s.last_targets, static_cast<long long>(1) << 40, [&](State::LastTarget& last) {

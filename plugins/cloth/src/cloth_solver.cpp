@@ -80,6 +80,7 @@ void ClothSolver::set_air(std::span<const int> face_pocket, std::span<const AirP
   stepper_->air_changed();
 }
 
+int& ClothSolver::guard_calm() { return stepper_->calm(); }
 int ClothSolver::begin_frame(double dt) { return stepper_->begin_frame(dt); }
 void ClothSolver::substep() { stepper_->substep(); }
 void ClothSolver::end_frame() { stepper_->end_frame(); }

@@ -83,6 +83,9 @@ class ClothSolver {
   void set_air(std::span<const int> face_pocket, std::span<const AirPocket> pockets,
                std::span<const RimQuad> rims, const Vec3& air_origin = Vec3::Zero());
 
+  // Fair checks of the energy guard in a row: with positions and velocities set before each frame, all that
+  // the next frame depends on besides. For snapshots.
+  int& guard_calm();
   // How many substeps a step of `dt` (s) wants with the hands and contacts as they are.
   int begin_frame(double dt);
   void substep();

@@ -44,6 +44,8 @@ class ClothStepper {
   virtual void hands_changed() = 0;
   virtual void air_changed() = 0;
 
+  // Fair checks of the energy in a row: all that a frame begun anew remembers of the ones before.
+  virtual int& calm() = 0;
   virtual int begin_frame(double dt) = 0;
   virtual void substep() = 0;
   virtual void end_frame() = 0;

@@ -26,6 +26,7 @@ class SweepStepper final : public ClothStepper {
   void hands_changed() override;
   void air_changed() override { air_dirty_ = true; }
 
+  int& calm() override { return calm_; }
   int begin_frame(double dt) override;
   void substep() override;
   void end_frame() override;
