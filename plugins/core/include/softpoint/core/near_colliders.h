@@ -82,7 +82,7 @@ class SOFTPOINT_API NearColliders {
   void plane(int piece, Vec3& normal, double& offset) const;
 
   struct Impl;
-  explicit NearColliders(std::unique_ptr<Impl> impl);
+  __attribute__((visibility("hidden"))) explicit NearColliders(std::unique_ptr<Impl> impl);
   ~NearColliders();
   NearColliders(const NearColliders&) = delete;
   NearColliders& operator=(const NearColliders&) = delete;
