@@ -27,6 +27,7 @@ struct Command {
 // One function a subcommand, each in a file of its own. `arguments` are those of the whole program.
 Command add_play_command(CLI::App& program, const std::vector<std::string>& arguments);
 Command add_solve_command(CLI::App& program);
+Command add_figure_command(CLI::App& program);
 Command add_schema_command(CLI::App& program);
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::scene

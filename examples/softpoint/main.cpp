@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   const std::vector<scene::Command> commands = {
       scene::add_play_command(program, {argv, argv + argc}),
       scene::add_solve_command(program),
+      scene::add_figure_command(program),
       scene::add_schema_command(program),
   };
   try {
