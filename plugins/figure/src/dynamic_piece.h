@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "link_chain.h"
+#include "softpoint/figure/figure_animation.h"
+#include "softpoint/figure/figure_stepper.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::figure {
+
+// Where the figure's base goes during one frame.
+struct BaseRule {
+  const LinkChain* pinned = nullptr;  // null: by its own keys
+  Vec3 point = Vec3::Zero();          // m, of the pinned link, in its frame
+  Vec3 place = Vec3::Zero();          // m, where that is held
+
+  // Moves the base, whose turn is right already, so that the point is where it belongs.
+  void apply(const FigureModel& model, double* q, double* qd, double* qdd) const;
+};
+
+// The keyed joints at a time, with the base after them.
+class KeyedMotion final : public PrescribedMotion {
+ public:
+  KeyedMotion(const FigureModel& model, const std::vector<std::optional<TrackSpline>>& splines)
+      : model_(model), splines_(splines) {}
+  void evaluate(double time, double* q, double* qd, double* qdd) const override;
+
+  std::vector<int> links;  // that are read
+  BaseRule base;
+
+ private:
+  const FigureModel& model_;
+  const std::vector<std::optional<TrackSpline>>& splines_;
+};
+
+// Dynamic joints that depend on each other, simulated apart from all others. Remembers, frame by frame, what
+// it was made of and what came out.
+class DynamicPiece {
+ public:
+  DynamicPiece(const FigureModel& model, std::vector<int> links, const AnimationSettings& settings,
+               const std::vector<std::optional<TrackSpline>>& splines);
+
+  const std::vector<int>& links() const { return links_; }
+  // Writes the piece's joints at `time` + `dt` into `next`. With `want_acceleration` their accelerations then
+  // are kept for acceleration().
+  void advance(std::size_t tick, double time, double dt, const BaseRule& base, const FigureState& from,
+               bool want_acceleration, FigureState& next, AnimationCounts& counts);
+  // Of a link's joint after the last frame that was asked for it.
+  std::vector<double> acceleration(int link) const;
+
+ private:
+  struct Memory {
+    std::vector<double> inputs, q, qd, qdd;
+  };
+  void simulate(double time, double dt, const FigureState& from, bool want_acceleration, Memory& memory,
+                AnimationCounts& counts);
+
+  FigureModel model_;  // with the ranges of this piece's joints alone
+  std::vector<int> links_;
+  std::vector<int> needed_;  // links whose state the piece depends on
+  std::vector<char> is_dynamic_;
+  int substeps_;
+  const std::vector<std::optional<TrackSpline>>& splines_;
+  KeyedMotion motion_;
+  FigureStepper stepper_;
+  std::vector<Memory> memories_;
+  std::vector<double> inputs_, last_acceleration_;
+  FigureState start_;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::figure

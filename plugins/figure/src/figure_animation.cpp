@@ -1,0 +1,245 @@
+#include "softpoint/figure/figure_animation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "figure_animation_impl.h"
+#include "softpoint/core/error.h"
+#include "softpoint/core/limits.h"
+#include "state_between.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::figure {
+namespace {
+
+constexpr double kSameTime = 1e-9;  // s
+
+}  // namespace
+
+FigureAnimation::Impl::Impl(const FigureModel& of, FigureClip what, AnimationSettings how)
+    : model(of), clip(std::move(what)), settings(std::move(how)) {
+  check_clip(model, clip);
+  check_range("frame_time", settings.frame_time, 1e-5, 1);
+  check_range("substeps", settings.substeps, 1, 10000);
+  check_range("gravity", settings.gravity, -kMaxAcceleration, kMaxAcceleration);
+  DynamicPiece(model, {}, settings, splines);  // refuses what does not go together
+  is_dynamic.assign(static_cast<std::size_t>(model.link_count()), 0);
+  scratch.resize(static_cast<std::size_t>(model.velocity_count()));
+}
+
+void FigureAnimation::Impl::make_ticks() {
+  ticks.clear();
+  frame_ticks.clear();
+  const int frames = static_cast<int>(std::floor(clip.end / settings.frame_time + 1e-6)) + 1;
+  std::vector<double> times;
+  for (int k = 0; k < frames; ++k) times.push_back(k * settings.frame_time);
+  const std::size_t regular = times.size();
+  for (const auto& d : clip.dynamics) times.insert(times.end(), {d.begin, d.end});
+  for (const auto& p : clip.places) times.insert(times.end(), {p.begin, p.end});
+  std::vector<double> more(times.begin() + static_cast<std::ptrdiff_t>(regular), times.end());
+  times.resize(regular);
+  for (const double t : more) {
+    const auto near = [&](double other) { return std::abs(other - t) < 1e-7; };
+    if (t < times[regular - 1] && std::none_of(times.begin(), times.end(), near)) times.push_back(t);
+  }
+  std::sort(times.begin(), times.end());
+  ticks = times;
+  for (int k = 0; k < frames; ++k) {
+    const auto it = std::lower_bound(ticks.begin(), ticks.end(), k * settings.frame_time - 1e-7);
+    frame_ticks.push_back(static_cast<std::size_t>(it - ticks.begin()));
+  }
+}
+
+void FigureAnimation::Impl::make_spline(const JointTrack& track, double from, const FigureState* start,
+                                        const std::vector<double>& acceleration) {
+  double until = 1e300;
+  for (const DynamicInterval& d : clip.dynamics) {
+    const bool takes = std::count(d.links.begin(), d.links.end(), track.link) > 0;
+    if (takes && d.begin > from - kSameTime) until = std::min(until, d.begin);
+  }
+  JointTrack part{track.link, track.interpolation, {}};
+  if (start != nullptr) {
+    const JointKind kind = model.links()[static_cast<std::size_t>(track.link)].joint;
+    const auto q = start->q.begin() + model.position_offset(track.link);
+    const auto v = start->qd.begin() + model.velocity_offset(track.link);
+    part.keys.push_back({from, {q, q + position_count(kind)}, {v, v + velocity_count(kind)}});
+  }
+  bool runs_on = false;
+  for (const JointKey& key : track.keys) {
+    if (start != nullptr && key.time < from + 1e-6) continue;
+    part.keys.push_back(key);
+    if (key.time < until - 1e-7) continue;
+    runs_on = until < 1e299 && key.time < until + 1e-7;
+    break;
+  }
+  splines[static_cast<std::size_t>(track.link)].emplace(model, part, acceleration, runs_on);
+}
+
+// Which joints are dynamic from a time on, and the pieces into which the prescribed ones cut them.
+void FigureAnimation::Impl::choose_dynamic(double time) {
+  std::fill(is_dynamic.begin(), is_dynamic.end(), 0);
+  for (const DynamicInterval& d : clip.dynamics) {
+    if (time < d.begin - 1e-7 || time > d.end - 1e-7) continue;
+    for (const int link : d.links) is_dynamic[static_cast<std::size_t>(link)] = 1;
+  }
+  bool one = false;  // a base that leans on dynamic joints couples all
+  if (base.pinned != nullptr) {
+    for (const int link : base.pinned->links()) one = one || is_dynamic[static_cast<std::size_t>(link)];
+  }
+  std::vector<std::vector<int>> groups;
+  std::vector<int> group(is_dynamic.size(), -1);
+  for (int i = 0; i < model.link_count(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const int parent = model.links()[k].parent;
+    if (parent >= 0) group[k] = group[static_cast<std::size_t>(parent)];
+    if (!is_dynamic[k]) continue;
+    if (one && !groups.empty()) group[k] = 0;
+    if (group[k] < 0) {
+      group[k] = static_cast<int>(groups.size());
+      groups.emplace_back();
+    }
+    groups[static_cast<std::size_t>(group[k])].push_back(i);
+  }
+  active.clear();
+  for (std::vector<int>& links : groups) {
+    std::unique_ptr<DynamicPiece>& piece = pieces[links];
+    if (!piece) piece = std::make_unique<DynamicPiece>(model, links, settings, splines);
+    active.push_back(piece.get());
+  }
+}
+
+void FigureAnimation::Impl::choose_base(double time, const FigureState& at) {
+  int now = -1;
+  for (std::size_t i = 0; i < clip.places.size(); ++i) {
+    if (time > clip.places[i].begin - 1e-7 && time < clip.places[i].end - 1e-7) now = static_cast<int>(i);
+  }
+  if (now == place) return;
+  place = now;
+  base = {};
+  if (now < 0 || clip.places[static_cast<std::size_t>(now)].rule == PlaceRule::kKeyed) return;
+  const PlaceInterval& rule = clip.places[static_cast<std::size_t>(now)];
+  const LinkChain& chain = chains.try_emplace(rule.link, model, rule.link).first->second;
+  base.pinned = &chain;
+  base.point = rule.point;
+  base.place = chain.evaluate(rule.point, at.q.data(), nullptr, nullptr).position;
+}
+
+// The keyed joints; those that are dynamic keep their values.
+void FigureAnimation::Impl::make_state(double time, FigureState& to) {
+  for (int i = 0; i < model.link_count(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (is_dynamic[k] || !splines[k]) continue;
+    const int v = model.velocity_offset(i);
+    splines[k]->evaluate(time, to.q.data() + model.position_offset(i), to.qd.data() + v, scratch.data() + v);
+  }
+}
+
+bool FigureAnimation::Impl::ends_soon(const DynamicPiece& piece, double time) const {
+  for (const DynamicInterval& d : clip.dynamics) {
+    if (std::abs(d.end - time) > 1e-7) continue;
+    for (const int link : piece.links()) {
+      const bool quintic = tracks[static_cast<std::size_t>(link)].interpolation == Interpolation::kQuintic;
+      if (quintic && std::count(d.links.begin(), d.links.end(), link) > 0) return true;
+    }
+  }
+  return false;
+}
+
+void FigureAnimation::Impl::evaluate() {
+  ++counts.evaluations;
+  make_ticks();
+  const FigureState rest = rest_state(model);
+  states.assign(ticks.size(), rest);
+  tracks.assign(static_cast<std::size_t>(model.link_count()), {});
+  splines.assign(static_cast<std::size_t>(model.link_count()), std::nullopt);
+  for (const JointTrack& track : clip.tracks) {
+    tracks[static_cast<std::size_t>(track.link)] = track;
+    make_spline(track, -1e300, nullptr, {});
+  }
+  std::fill(is_dynamic.begin(), is_dynamic.end(), 0);
+  make_state(0, states[0]);
+  place = -2;
+  choose_base(0, states[0]);
+  base.apply(model, states[0].q.data(), states[0].qd.data(), nullptr);
+  choose_dynamic(0);
+  for (std::size_t n = 0; n + 1 < ticks.size(); ++n) {
+    const double time = ticks[n], dt = ticks[n + 1] - time;
+    FigureState& next = states[n + 1];
+    next = states[n];
+    make_state(time + dt, next);
+    for (DynamicPiece* piece : active) {
+      piece->advance(n, time, dt, base, states[n], ends_soon(*piece, time + dt), next, counts);
+    }
+    base.apply(model, next.q.data(), next.qd.data(), nullptr);
+    // What ends here goes on by keys from the state it has.
+    bool changed = false;
+    for (const DynamicInterval& d : clip.dynamics) {
+      if (std::abs(d.begin - ticks[n + 1]) < 1e-7) changed = true;
+      if (std::abs(d.end - ticks[n + 1]) > 1e-7) continue;
+      changed = true;
+      for (const int link : d.links) {
+        JointTrack track = tracks[static_cast<std::size_t>(link)];
+        track.link = link;
+        std::vector<double> acceleration;
+        for (const DynamicPiece* piece : active) {
+          const std::vector<int>& own = piece->links();
+          const bool is = std::count(own.begin(), own.end(), link) > 0;
+          if (is && ends_soon(*piece, ticks[n + 1])) acceleration = piece->acceleration(link);
+        }
+        make_spline(track, ticks[n + 1], &next, acceleration);
+      }
+    }
+    const int before = place;
+    choose_base(ticks[n + 1], next);
+    if (changed || place != before) choose_dynamic(ticks[n + 1]);
+  }
+}
+
+FigureAnimation::FigureAnimation(const FigureModel& model, FigureClip clip, AnimationSettings settings)
+    : impl_(std::make_unique<Impl>(model, std::move(clip), std::move(settings))) {}
+FigureAnimation::~FigureAnimation() = default;
+FigureAnimation::FigureAnimation(FigureAnimation&&) noexcept = default;
+FigureAnimation& FigureAnimation::operator=(FigureAnimation&&) noexcept = default;
+
+const FigureModel& FigureAnimation::model() const { return impl_->model; }
+const FigureClip& FigureAnimation::clip() const { return impl_->clip; }
+const AnimationSettings& FigureAnimation::settings() const { return impl_->settings; }
+const AnimationCounts& FigureAnimation::counts() const { return impl_->counts; }
+void FigureAnimation::evaluate() { impl_->evaluate(); }
+
+void FigureAnimation::set_clip(FigureClip clip) {
+  check_clip(impl_->model, clip);
+  impl_->clip = std::move(clip);
+}
+
+void FigureAnimation::set_key(int track, int key, JointKey value) {
+  check_index("track", track, static_cast<long long>(impl_->clip.tracks.size()));
+  JointTrack next = impl_->clip.tracks[static_cast<std::size_t>(track)];
+  check_index("key", key, static_cast<long long>(next.keys.size()));
+  next.keys[static_cast<std::size_t>(key)] = std::move(value);
+  check_track(impl_->model, next);
+  impl_->clip.tracks[static_cast<std::size_t>(track)] = std::move(next);
+}
+
+int FigureAnimation::frame_count() const { return static_cast<int>(impl_->frame_ticks.size()); }
+
+const FigureState& FigureAnimation::frame(int index) const {
+  check_index("frame", index, frame_count());
+  return impl_->states[impl_->frame_ticks[static_cast<std::size_t>(index)]];
+}
+
+void FigureAnimation::sample(double time, FigureState& to) const {
+  const Impl& m = *impl_;
+  if (m.states.empty())
+    throw Error("sample of an animation that was not evaluated; permitted after evaluate()");
+  const auto it = std::upper_bound(m.ticks.begin(), m.ticks.end(), time);
+  const std::size_t n = it == m.ticks.begin() ? 0 : static_cast<std::size_t>(it - m.ticks.begin()) - 1;
+  if (n + 1 >= m.ticks.size() || time <= m.ticks.front()) {
+    to = m.states[n];
+    if (time > m.ticks.back() || time < m.ticks.front()) std::fill(to.qd.begin(), to.qd.end(), 0.0);
+    return;
+  }
+  const double h = m.ticks[n + 1] - m.ticks[n];
+  state_between(m.model, m.states[n], m.states[n + 1], h, (time - m.ticks[n]) / h, to);
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::figure
