@@ -42,10 +42,6 @@ void BubbleFinder::move_air() {
         parked_[f] += air * by_area;
       }
     }
-    if (now >= 0) {
-      pockets_[now].air += parked_[f];
-      parked_[f] = 0;
-    }
   }
   // What rounding made or lost goes to the fullest bubble.
   if (!pockets_.empty()) {
@@ -55,6 +51,21 @@ void BubbleFinder::move_air() {
     fullest->air = std::max(fullest->air + (before - air()), 0.0);
   }
   count_changes();
+}
+
+// What rests on a patch is air at ambient pressure: a bubble that opens there takes as much as it has room
+// for, frame by frame as it grows. All of it at once, in a bubble that is thin to begin with, would be an
+// explosive.
+void BubbleFinder::take_parked() {
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    if (parked_[f] == 0) continue;
+    const int now = bubble_of(static_cast<int>(f));
+    if (now < 0) continue;
+    const double room = settings_.ambient * bubbles_[now].volume - pockets_[now].air;
+    const double taken = std::min(parked_[f], std::max(room, 0.0));
+    pockets_[now].air += taken;
+    parked_[f] -= taken;
+  }
 }
 
 double BubbleFinder::air_before_moving() const {
@@ -121,7 +132,8 @@ void BubbleFinder::first_air() {
     for (std::size_t f = 0; f < parked_.size(); ++f) {
       if (topology_.closed[f]) continue;
       const double share = air * (topology_.face_areas[f] / area);
-      if (const int bubble = bubble_of(static_cast<int>(f)); bubble >= 0) {
+      const int bubble = bubble_of(static_cast<int>(f));
+      if (bubble >= 0 && settings_.bubbles == Bubbles::kOne) {
         pockets_[bubble].air += share;
       } else {
         parked_[f] = share;

@@ -109,6 +109,7 @@ bool BubbleFinder::find(const AirFrame& frame) {
   measure_pockets(frame);
   if (fresh_) first_air();
   fresh_ = false;
+  take_parked();
   measure_rims(frame.gaps);
   for (const Rim& rim : rim_list_) {
     const AirTopology::Edge& edge = topology_.edges[rim.edge];
@@ -291,6 +292,9 @@ void BubbleFinder::exchange(double dt, std::span<const double> volumes) {
     // Air that burst through the pores within the frame, while suction stood at its limit.
     const double least = std::max(ambient - pocket.max_suction, 0.0) * volume;
     if (pocket.air < least) vent(static_cast<int>(i), pocket.air - least);
+    // And air that burst out under the rim, while it stood at what that can hold.
+    const double most = (ambient + pocket.max_gauge) * volume;
+    if (pocket.air > most) vent(static_cast<int>(i), pocket.air - most);
     openings_.clear();
     if (settings_.leak) {
       openings_.push_back({bubble.open_weave, 0});

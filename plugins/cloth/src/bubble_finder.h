@@ -119,6 +119,7 @@ class BubbleFinder {
   double air_before_moving() const;
   void move_air();
   void first_air();
+  void take_parked();
   void count_changes();
   void collect_rims();
   void measure_rims(std::span<const double> gaps);

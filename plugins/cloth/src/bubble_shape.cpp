@@ -114,6 +114,10 @@ void BubbleFinder::measure_rims(std::span<const double> gaps) {
   }
 }
 
+// Of the ambient pressure: what no rim holds, however wet, for longer than some milliseconds. A tenth of an
+// atmosphere is a ton a square metre.
+constexpr double kBurst = 0.1;
+
 void BubbleFinder::close_pockets() {
   for (std::size_t i = 0; i < pockets_.size(); ++i) {
     AirPocket& pocket = pockets_[i];
@@ -125,6 +129,9 @@ void BubbleFinder::close_pockets() {
     pocket.min_pressure =
         settings_.limit_suction ? std::min(settings_.vapour_pressure, settings_.ambient) : 0.0;
     pocket.open = bubble.thin;
+    pocket.max_gauge = settings_.vent && !bubble.closed && settings_.bubbles == Bubbles::kFound
+                           ? kBurst * settings_.ambient
+                           : AirPocket{}.max_gauge;
     if (bubble.patch) continue;
     const int end = rim_end(static_cast<int>(i));
     for (int r = bubble.rim_begin; settings_.vent && !pocket.open && r < end; ++r) {

@@ -176,6 +176,13 @@ void SweepStepper<T>::begin_air() {
   }
 }
 
+// Pa; no pocket pushes harder, whatever a fold or a jump of its feet makes of its volume: Boyle's law has no
+// bound, and no time step that follows it.
+constexpr double kMostAtmospheres = 1e3;
+inline double most_gauge(const AirPocket& pocket) {
+  return std::min(pocket.max_gauge, kMostAtmospheres * std::max(pocket.ambient, 1.0));
+}
+
 // (p_a + q) (V* + q s) = K for the gauge pressure q; equation (6).
 template <class T>
 void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
@@ -194,11 +201,12 @@ void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
     q = pocket.max_gauge;  // a patch of which nothing wants to lift
   }
   // Without air there is nothing to push with, not even where a fold makes the volume negative.
-  const double most = pocket.air > 0 ? pocket.max_gauge : std::min(0.0, pocket.max_gauge);
+  const double most = pocket.air > 0 ? most_gauge(pocket) : std::min(0.0, pocket.max_gauge);
   gauges_[i] = std::min(std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction}), most);
 }
 
-// -K ln V + p_a V, straight where the pressure is at its least. J.
+// -K ln V + p_a V, straight where the pressure is at its least or at its most, so that it is bounded from
+// below: a volume far below zero is no way to lose energy. J.
 template <class T>
 double SweepStepper<T>::air_energy() const {
   double energy = 0;
@@ -212,9 +220,12 @@ double SweepStepper<T>::air_energy() const {
       continue;
     }
     const double thin = least > 0 ? pocket.air / least : HUGE_VAL;  // from this volume on
-    const double at = std::min(std::max(v, 1e-30), thin);
-    energy += pocket.ambient * v - pocket.air * std::log(at * pocket.ambient / pocket.air);
+    const double most = std::max(pocket.ambient + most_gauge(pocket), 1e-30);
+    const double full = std::min(pocket.air / most, thin);  // up to this volume
+    const double at = std::clamp(v, full, thin);
+    energy += pocket.ambient * v - pocket.air * std::log(at * std::max(pocket.ambient, 1e-30) / pocket.air);
     if (v > thin) energy -= least * (v - thin);
+    if (v < full) energy += most * (full - v);
   }
   return energy;
 }

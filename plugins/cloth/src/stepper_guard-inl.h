@@ -34,35 +34,58 @@ double SweepStepper<T>::work() const {
   using A = SweepArrays<T>;
   double sum = 0;
   for (const Hand& hand : hands_) {
-    sum += (gradient(hand.slot, true) - vector_at(A::kC, hand.slot))
-               .dot(local(hand.slot) - vector_at(A::kS, hand.slot));
+    sum += force_of(hand).dot(local(hand.slot) - vector_at(A::kS, hand.slot));
   }
   if (!planes_move_) return sum;
   for (int slot : in_->layout.slot_of) sum += vector_at(A::kC, slot).dot(vector_at(A::kU, slot));
   return sum;
 }
 
-// Takes `excess` (J) out of the velocity relative to the mean, or all of it.
+// Kinetic energy of what moves freely, as that of its mean velocity and of what is relative to it. Cloth that
+// hands hold has no mean to keep.
 template <class T>
-void SweepStepper<T>::damp(double excess) {
+typename SweepStepper<T>::Motion SweepStepper<T>::motion(int field) const {
   using A = SweepArrays<T>;
   const T *mass = arrays_.field(A::kMass), *free = arrays_.field(A::kFree);
-  double total = 0, relative = 0;
-  Vec3 mean = Vec3::Zero();
+  Motion out;
+  double total = 0;
   for (int slot : in_->layout.slot_of) {
     if (free[slot] == T(0)) continue;
     total += mass[slot];
-    mean += double(mass[slot]) * vector_at(A::kW, slot);
+    out.mean += double(mass[slot]) * vector_at(field, slot);
   }
-  if (total > 0 && hands_.empty()) mean /= total;
-  if (!hands_.empty()) mean.setZero();  // held: all of it may go
+  out.mean *= total > 0 && hands_.empty() ? 1 / total : 0.0;
+  out.of_mean = total * out.mean.squaredNorm() / 2;
   for (int slot : in_->layout.slot_of) {
-    if (free[slot] != T(0))
-      relative += 0.5 * double(mass[slot]) * (vector_at(A::kW, slot) - mean).squaredNorm();
+    if (free[slot] == T(0)) continue;
+    out.relative += 0.5 * double(mass[slot]) * (vector_at(field, slot) - out.mean).squaredNorm();
   }
-  const double keep = relative > excess ? std::sqrt(1 - excess / relative) : 0.0;
+  return out;
+}
+
+// What of an excess may be taken out of the velocities: all that is relative to the mean, and what the mean
+// has gained in this small step; with a little of the mean for rounding.
+template <class T>
+double SweepStepper<T>::payable() const {
+  using A = SweepArrays<T>;
+  const Motion now = motion(A::kW), before = motion(A::kQ);
+  return now.relative + std::max(0.0, now.of_mean - before.of_mean) + 1e-3 * now.of_mean;
+}
+
+// Takes `excess` (J) out of the velocity relative to the mean, then out of the mean.
+template <class T>
+void SweepStepper<T>::damp(double excess) {
+  using A = SweepArrays<T>;
+  const Motion now = motion(A::kW);
+  const auto left = [](double energy, double taken) {
+    return energy > taken ? std::sqrt(1 - taken / energy) : 0.0;
+  };
+  const double keep = left(now.relative, excess);
+  const double rest = excess - now.relative;
+  const Vec3 mean = (rest > 0 ? left(now.of_mean, rest) : 1.0) * now.mean;
+  const T* free = arrays_.field(A::kFree);
   for (int slot : in_->layout.slot_of) {
-    if (free[slot] != T(0)) set_vector(A::kW, slot, mean + keep * (vector_at(A::kW, slot) - mean));
+    if (free[slot] != T(0)) set_vector(A::kW, slot, mean + keep * (vector_at(A::kW, slot) - now.mean));
   }
 }
 
@@ -105,7 +128,7 @@ void SweepStepper<T>::guard() {
     work_ += work();
     energy = total_energy(&kinetic);
   }
-  if (!(excess() <= kinetic)) {
+  if (!fair() && !(excess() <= payable())) {
     // The way there led uphill: from the start of the small step, where the energy was fair.
     ++profile.guard_restarts;
     const double before = work_;
@@ -116,7 +139,8 @@ void SweepStepper<T>::guard() {
     energy = total_energy(&kinetic);
     if (!std::isfinite(before) || !std::isfinite(energy)) ++profile.non_finite;
   }
-  if (!(excess() <= kinetic)) {
+  if (!fair() && !(excess() <= payable())) {
+    const Vec3 mean = motion(SweepArrays<T>::kQ).mean;
     restore();
     work_ = before_;
     finish();
@@ -125,7 +149,8 @@ void SweepStepper<T>::guard() {
     for (int k = 0; k < 3; ++k) {
       std::fill_n(arrays_.field(SweepArrays<T>::kC + k), arrays_.slots, T(0));
       T* w = arrays_.field(SweepArrays<T>::kW + k);
-      for (long i = 0; i < arrays_.slots; ++i) w[i] = free[i] == T(0) ? w[i] : T(0);
+      const T drift = static_cast<T>(mean[k]);
+      for (long i = 0; i < arrays_.slots; ++i) w[i] = free[i] == T(0) ? w[i] : drift;
     }
     energy = total_energy(&kinetic);
   }

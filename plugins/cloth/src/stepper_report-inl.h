@@ -64,6 +64,15 @@ Vec3 SweepStepper<T>::gradient(int slot, bool dynamic) const {
   return g - gauges_[pocket] * area;
 }
 
+// What a hand pushes its point with, inertia and dampers included, N. What the sweeps have left unsolved at a
+// point whose hand is of limited force is not the hand's.
+template <class T>
+Vec3 SweepStepper<T>::force_of(const Hand& hand) const {
+  const Vec3 force = gradient(hand.slot, true) - vector_at(SweepArrays<T>::kC, hand.slot);
+  const double size = force.norm();
+  return hand.limited && size > hand.max_force ? Vec3(hand.max_force / size * force) : force;
+}
+
 template <class T>
 Vec3 SweepStepper<T>::hand_force(int hand) const {
   return gradient(hands_[hand].slot, false);

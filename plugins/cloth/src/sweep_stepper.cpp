@@ -190,7 +190,7 @@ void SweepStepper<T>::report() {
     T* mean = arrays_.field(A::kM + k);
     for (long i = 0; i < arrays_.slots; ++i) mean[i] += share * (c[i] - mean[i]);
   }
-  for (Hand& hand : hands_) hand.impulse = h_ * (gradient(hand.slot, true) - vector_at(A::kC, hand.slot));
+  for (Hand& hand : hands_) hand.impulse = h_ * force_of(hand);
 }
 
 template <class T>

@@ -102,12 +102,19 @@ class SweepStepper final : public ClothStepper {
   static constexpr int kCalm = 16, kCalmEvery = 4;  // small steps
   double total_energy(double* kinetic) const;
   double work() const;
+  struct Motion {
+    Vec3 mean = Vec3::Zero();          // m/s
+    double of_mean = 0, relative = 0;  // J
+  };
+  Motion motion(int field) const;
+  double payable() const;
   void damp(double excess);
   void restore();
   void guard();
 
   // stepper_report-inl.h
   Vec3 gradient(int slot, bool dynamic) const;
+  Vec3 force_of(const Hand& hand) const;
 
   // sweep_stepper.cpp and stepper_alone-inl.h
   void predict();
