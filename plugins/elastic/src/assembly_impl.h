@@ -77,6 +77,7 @@ struct __attribute__((visibility("hidden"))) Assembly::Impl {
   // Scratch of the skin.
   std::vector<double> sheet, bulge;
   std::vector<int> dirty;
+  std::vector<char> shifted;  // one a segment of a group
   std::vector<float> scratch;
   std::vector<Vec3> bone_now, bone_next;
 };

@@ -9,6 +9,7 @@
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
 void Assembly::Impl::reserve_skin() {
+  for (const auto& state : groups) shifted.resize(std::max(shifted.size(), state->group.segments().size()));
   for (std::size_t m = 0; m < models.size(); ++m) {
     Eigen::Index most = 0;
     for (const auto& state : groups) {
@@ -26,9 +27,17 @@ void Assembly::Impl::reserve_skin() {
   }
 }
 
-// Segments none of whose joint points has moved keep their skin.
+// Segments none of whose joint points has shifted keep their skin.
 void Assembly::Impl::skin(GroupState& state) {
   PartGroup& group = state.group;
+  std::fill_n(shifted.begin(), group.segments().size(), state.skin_changed ? 1 : 0);
+  for (const PartGroup::Joint& joint : group.joints()) {
+    const double* const now = state.x.data() + 3 * joint.first;
+    if (std::equal(now, now + 3 * joint.count, state.skinned.data() + 3 * joint.first)) continue;
+    for (const int s : joint.segments) {
+      if (s >= 0) shifted[static_cast<std::size_t>(s)] = 1;
+    }
+  }
   for (std::size_t m = 0; m < models.size(); ++m) {
     const PackedModel& packed = *models[m];
     const SegmentModel& model = *packed.model;
@@ -39,34 +48,39 @@ void Assembly::Impl::skin(GroupState& state) {
     for (std::size_t s = 0; s < group.segments().size(); ++s) {
       const PartGroup::Segment& segment = group.segments()[s];
       if (segment.model != static_cast<int>(m)) continue;
-      bool moved = state.skin_changed;
-      for (std::size_t i = 0; i < segment.at.size() && !moved; ++i) {
-        for (Eigen::Index a = 0; a < 3; ++a) {
-          const Eigen::Index at = segment.at[i] + a * segment.stride[i];
-          moved = moved || state.x[at] != state.skinned[at];
-        }
-      }
-      if (moved) dirty.push_back(static_cast<int>(s));
-      all = all && moved;
+      if (shifted[s] != 0) dirty.push_back(static_cast<int>(s));
+      all = all && shifted[s] != 0;
     }
     if (dirty.empty()) continue;
     report.segments_skinned += static_cast<int>(dirty.size());
-    // Those that moved, side by side; all of them are already.
+    // Those that shifted, side by side; all of them are already.
     for (std::size_t k = 0; k < dirty.size() && !all; ++k) {
       const double* const d =
           displacements + group.segments()[static_cast<std::size_t>(dirty[k])].column * depth;
       std::copy(d, d + depth, sheet.begin() + static_cast<std::ptrdiff_t>(k) * depth);
     }
-    packed.free_response.multiply(all ? displacements : sheet.data(), static_cast<Eigen::Index>(dirty.size()),
-                                  bulge.data(), scratch.data());
+    const double* const columns = all ? displacements : sheet.data();
+    const auto count = static_cast<Eigen::Index>(dirty.size());
+    // Nothing to be added: straight from the precision of the product.
+    const float* const singles = group.gravity.isZero(0) && group.pushes.empty()
+                                     ? packed.free_response.multiply_single(columns, count, scratch.data())
+                                     : nullptr;
+    if (singles == nullptr) packed.free_response.multiply(columns, count, bulge.data(), scratch.data());
     for (std::size_t k = 0; k < dirty.size(); ++k) {
       const PartGroup::Segment& segment = group.segments()[static_cast<std::size_t>(dirty[k])];
-      double* const u = bulge.data() + static_cast<Eigen::Index>(k) * rows;
-      add_loads(group, dirty[k], packed, u);
       const Vec3 at = segment.mean - segment.rotation * packed.mean;
       const int first = layout.first_free[static_cast<std::size_t>(segment.placed)];
+      double* const out = points[static_cast<std::size_t>(first)].data();
+      const Eigen::Index column = static_cast<Eigen::Index>(k) * rows;
+      if (singles != nullptr) {
+        kernels->place_single_points(packed.free_rest.data(), singles + column, segment.rotation.data(),
+                                     at.data(), model.free_points(), out);
+        continue;
+      }
+      double* const u = bulge.data() + column;
+      add_loads(group, dirty[k], packed, u);
       kernels->place_points(packed.free_rest.data(), u, segment.rotation.data(), at.data(),
-                            model.free_points(), points[static_cast<std::size_t>(first)].data());
+                            model.free_points(), out);
     }
   }
   for (std::size_t j = 0; j < group.joints().size(); ++j) {

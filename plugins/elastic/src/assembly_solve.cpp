@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cstring>
 
 #include "assembly_impl.h"
 #include "inverse_kinematics.h"
@@ -103,16 +104,19 @@ double Assembly::Impl::carry_along(GroupState& state) {
   const PartGroup& group = state.group;
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
   double count = 0, farthest = 0;
-  const auto each_point = [&](bool held, const auto& visit) {
+  const auto holds_some = [&](const PartGroup::Joint& joint) {
+    return std::memchr(state.held.data() + joint.first, 1, static_cast<std::size_t>(joint.count)) != nullptr;
+  };
+  const auto each_held_point = [&](const auto& visit) {
     for (const PartGroup::Joint& joint : group.joints()) {
+      if (!holds_some(joint)) continue;
       for (Eigen::Index i = 0; i < joint.count; ++i) {
-        if ((state.held[static_cast<std::size_t>(joint.first + i)] != 0) == held) {
+        if (state.held[static_cast<std::size_t>(joint.first + i)] != 0)
           visit(3 * joint.first + i, joint.count);
-        }
       }
     }
   };
-  each_point(true, [&](Eigen::Index at, Eigen::Index stride) {
+  each_held_point([&](Eigen::Index at, Eigen::Index stride) {
     const Vec3 old = group.point(state.x, at, stride), next = group.point(state.target, at, stride);
     farthest = std::max(farthest, (next - old).norm());
     from += old;
@@ -123,7 +127,7 @@ double Assembly::Impl::carry_along(GroupState& state) {
   from /= count;
   to /= count;
   Mat3 moment = Mat3::Zero();
-  each_point(true, [&](Eigen::Index at, Eigen::Index stride) {
+  each_held_point([&](Eigen::Index at, Eigen::Index stride) {
     moment +=
         (group.point(state.target, at, stride) - to) * (group.point(state.x, at, stride) - from).transpose();
     put(state.x, at, stride, group.point(state.target, at, stride));
@@ -132,9 +136,18 @@ double Assembly::Impl::carry_along(GroupState& state) {
   const Mat3 turn =
       size > 0.0 ? nearest_rotation(moment / size + 1e-6 * Mat3::Identity()) : Mat3(Mat3::Identity());
   for (PartGroup::Segment& segment : state.group.segments()) segment.rotation = turn * segment.rotation;
-  each_point(false, [&](Eigen::Index at, Eigen::Index stride) {
-    put(state.x, at, stride, to + turn * (group.point(state.x, at, stride) - from));
-  });
+  for (const PartGroup::Joint& joint : group.joints()) {
+    const bool some = holds_some(joint);
+    const Eigen::Index n = joint.count;
+    double* const x = state.x.data() + 3 * joint.first;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (some && state.held[static_cast<std::size_t>(joint.first + i)] != 0) continue;
+      const double dx = x[i] - from.x(), dy = x[n + i] - from.y(), dz = x[2 * n + i] - from.z();
+      x[i] = to.x() + (turn(0, 0) * dx + turn(0, 1) * dy + turn(0, 2) * dz);
+      x[n + i] = to.y() + (turn(1, 0) * dx + turn(1, 1) * dy + turn(1, 2) * dz);
+      x[2 * n + i] = to.z() + (turn(2, 0) * dx + turn(2, 1) * dy + turn(2, 2) * dz);
+    }
+  }
   return farthest;
 }
 

@@ -12,6 +12,7 @@
 #include "rotation_fit.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"
+#include "symmetric_layout.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 namespace {
@@ -47,8 +48,8 @@ ElasticBody::ElasticBody(std::shared_ptr<const ElasticModel> model, const Vec3& 
   scratch_in_.resize(3 * positions_.size());
   scratch_out_.resize(3 * positions_.size());
   if (!model_->single_response.empty()) {
-    single_in_.resize(3 * positions_.size());
-    single_out_.resize(3 * positions_.size());
+    single_in_.resize(3 * positions_.size() + kSymmetricPadding);
+    single_out_.resize(single_in_.size());
   }
 }
 

@@ -119,8 +119,8 @@ void ElasticBody::multiply_response() {
   }
   std::transform(scratch_in_.begin(), scratch_in_.end(), single_in_.begin(),
                  [](double v) { return static_cast<float>(v); });
-  kernels.symmetric_single(model_->single_response.data(), n, n, single_in_.data(), single_out_.data());
-  std::copy(single_out_.begin(), single_out_.end(), scratch_out_.begin());
+  kernels.packed_symmetric_single(model_->single_response.data(), n, single_in_.data(), single_out_.data());
+  std::copy_n(single_out_.begin(), n, scratch_out_.begin());
 }
 
 // Stages 3 and 4: R = polar(sum m (x^ - c) X^T), d = R^T (x^ - c) - X,

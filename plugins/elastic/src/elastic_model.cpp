@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "instruction_set.h"
 #include "softpoint/core/error.h"
+#include "symmetric_layout.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
@@ -64,7 +66,8 @@ std::shared_ptr<const ElasticModel> make_elastic_model(const TriangleMesh& mesh,
   check_stiffness(*model);
   compute_response(*model, settings.time_step, model->response);
   if (settings.single_precision) {
-    model->single_response.assign(model->response.begin(), model->response.end());
+    model->single_response =
+        pack_symmetric(kernels_for(model->stiffness->instruction_set), model->response, model->dofs());
   }
   return model;
 }

@@ -66,8 +66,10 @@ struct Kernels {
   void (*product_double)(const double* a, std::ptrdiff_t strips, std::ptrdiff_t depth, const double* b,
                          std::ptrdiff_t ldb, std::ptrdiff_t n, double* c, std::ptrdiff_t ldc);
 
-  // y = a x, `a` symmetric (n x n, column-major), of which the lower triangle is read.
-  void (*symmetric_single)(const float* a, std::ptrdiff_t n, std::ptrdiff_t lda, const float* x, float* y);
+  // y = a x, `a` symmetric (n x n): laid out by pack_symmetric() with x and y padded, zeros in x; or
+  // column-major, of which the lower triangle is read.
+  std::ptrdiff_t symmetric_strip, symmetric_panel;
+  void (*packed_symmetric_single)(const float* a, std::ptrdiff_t n, const float* x, float* y);
   void (*symmetric_double)(const double* a, std::ptrdiff_t n, std::ptrdiff_t lda, const double* x, double* y);
 
   // Small sums and turns of one segment's n points, axis-major; matrices column-major (segment_frames-inl.h).
@@ -78,6 +80,8 @@ struct Kernels {
   void (*turn_forces)(double* f, const double* a, const double* r, const double* arms, std::ptrdiff_t n);
   void (*place_points)(const double* rest, const double* u, const double* r, const double* at,
                        std::ptrdiff_t n, double* out);
+  void (*place_single_points)(const double* rest, const float* u, const double* r, const double* at,
+                              std::ptrdiff_t n, double* out);
   void (*to_single)(const double* from, std::ptrdiff_t n, float* to);
   void (*to_double)(const float* from, std::ptrdiff_t n, double* to);
 };

@@ -31,11 +31,16 @@ class Product {
       doubles_.multiply(b, n, c);
       return;
     }
+    kernels_->to_double(multiply_single(b, n, scratch), n * floats_.padded_rows(), c);
+  }
+  // The product as it comes out in single precision, inside `scratch`; null in double precision.
+  const float* multiply_single(const double* b, Eigen::Index n, float* scratch) const {
+    if (!single_) return nullptr;
     float* const in = scratch;
     float* const out = scratch + n * floats_.depth();
     kernels_->to_single(b, n * floats_.depth(), in);
     floats_.multiply(in, n, out);
-    kernels_->to_double(out, n * floats_.padded_rows(), c);
+    return out;
   }
 
   const BlockMatrix<float>& floats() const { return floats_; }

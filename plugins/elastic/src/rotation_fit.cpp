@@ -13,9 +13,19 @@ namespace {
 Mat3 symmetric_part(const Mat3& a) { return 0.5 * (a + a.transpose()); }
 Mat3 trace_minus(const Mat3& s) { return s.trace() * Mat3::Identity() - s; }
 
-bool positive_definite(const Mat3& a, double least) {
-  return a(0, 0) > least && a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0) > least * least &&
-         a.determinant() > least * least * least;
+// inverse = (tr(S) 1 - S)^-1, S the symmetric part of b; false where that is not positive, which leaves
+// `inverse` as it was.
+bool invert_form(const Mat3& b, double least, Mat3& inverse) {
+  const double xx = b(1, 1) + b(2, 2), yy = b(2, 2) + b(0, 0), zz = b(0, 0) + b(1, 1);
+  const double xy = -0.5 * (b(0, 1) + b(1, 0)), yz = -0.5 * (b(1, 2) + b(2, 1)),
+               zx = -0.5 * (b(2, 0) + b(0, 2));
+  const double cxx = yy * zz - yz * yz, cxy = yz * zx - xy * zz, czx = xy * yz - yy * zx;
+  const double cyy = zz * xx - zx * zx, cyz = zx * xy - yz * xx, czz = xx * yy - xy * xy;
+  const double det = xx * cxx + xy * cxy + zx * czx;
+  if (!(xx > least && czz > least * least && det > least * least * least)) return false;
+  const double d = 1.0 / det;
+  inverse << d * cxx, d * cxy, d * czx, d * cxy, d * cyy, d * cyz, d * czx, d * cyz, d * czz;
+  return true;
 }
 
 }  // namespace
@@ -42,9 +52,7 @@ void fit_rotation(const Mat3& a, Mat3& r, Mat3& inverse) {
   for (int i = 0; i < 8; ++i) {
     const Mat3 b = r.transpose() * a;
     const Vec3 skew(b(2, 1) - b(1, 2), b(0, 2) - b(2, 0), b(1, 0) - b(0, 1));
-    const Mat3 form = trace_minus(symmetric_part(b));
-    if (!positive_definite(form, kFlat * scale)) break;
-    inverse = form.inverse();
+    if (!invert_form(b, kFlat * scale, inverse)) break;
     const Vec3 turn = inverse * skew;
     const double size = turn.norm();
     if (size < 1e-15) return;

@@ -1,10 +1,15 @@
 // The small sums and turns of one segment's points: n of them, axis-major (all x, then all y, then all z).
 // Matrices are column-major as Eigen's. Included by kernels-inl.h only.
 
+// Halves onto each other: one lane after another would wait for the last.
 SOFTPOINT_INLINE double sum_of_lanes(Pack v) {
-  double sum = 0;
-  for (int i = 0; i < kLanes; ++i) sum += v[i];
-  return sum;
+#if SOFTPOINT_KERNEL_LANES == 8
+  v = v + __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+  v = v + __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+#elif SOFTPOINT_KERNEL_LANES == 4
+  v = v + __builtin_shufflevector(v, v, 2, 3, 0, 1);
+#endif
+  return v[0] + v[1];
 }
 
 // out[0..2] = sum of p, out[3 + 3 b + a] = sum of p_a arm_b.
@@ -90,7 +95,8 @@ void turn_forces(double* f, const double* a, const double* r, const double* arms
 }
 
 // Points one after another, x y z: out_i = at + R (rest_i + u_i).
-void place_points(const double* rest, const double* u, const double* r, const double* at, Index n,
+template <class Real>
+void place_points(const double* rest, const Real* u, const double* r, const double* at, Index n,
                   double* out) {
   for (Index i = 0; i < n; ++i) {
     const double x = rest[i] + u[i], y = rest[n + i] + u[n + i], z = rest[2 * n + i] + u[2 * n + i];

@@ -37,8 +37,8 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   // is Q F - Q P K P Q^T (x_end - x_rigid), with Q the turn of the body over the step, x_rigid the points
   // carried along by it, P what takes away the best-fit rigid motion of the points: springs between the
   // points neither brake a flight nor turn it. The stiffness makes the step stable however stiff it is, as
-  // long as the true one is less than twice as stiff; of forces that depend on how the body as a whole lies, no
-  // account is taken within the step. Their owner sets them before each substep (from a pre-tick callback,
+  // long as the true one is less than twice as stiff; of forces that depend on how the body as a whole lies,
+  // no account is taken within the step. Their owner sets them before each substep (from a pre-tick callback,
   // say); snapshots do not hold them. Allocates nothing where there were as many points before. A change
   // beyond rounding wakes a sleeping body. Throws Error, nothing changed, for indices, numbers or a stiffness
   // out of range.
@@ -120,7 +120,7 @@ class SOFTPOINT_API ElasticBody final : public Deformable {
   std::vector<Vec3> force_;                       // S (d + delta), N
   std::vector<Vec3> free_velocities_;             // at the end of the step, without impulses
   std::vector<double> scratch_in_, scratch_out_;  // 3V
-  std::vector<float> single_in_, single_out_;     // 3V, with a model in single precision
+  std::vector<float> single_in_, single_out_;     // 3V and padding, with a model in single precision
 
   // With impulses from outside.
   bool pushed_ = false;

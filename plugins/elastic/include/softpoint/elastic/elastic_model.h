@@ -36,7 +36,7 @@ struct ElasticModel {
   Vec3 center = Vec3::Zero();  // m, centre of mass in the mesh's frame
   std::shared_ptr<const BoundaryStiffness> stiffness;  // for a Young's modulus of 1 Pa
   std::vector<double> response;                        // (M + h^2 S)^-1, 3V x 3V, m/s per N s
-  std::vector<float> single_response;                  // the same, when asked for
+  std::vector<float> single_response;                  // the same, packed, when asked for
 
   // Degrees of freedom, 3V.
   int dofs() const { return 3 * mesh.vertex_count(); }
