@@ -26,7 +26,7 @@ using figure::JointKind;
 using figure::LimitMode;
 
 constexpr Integrator kIntegrators[] = {Integrator::kPaper, Integrator::kRungeKutta4,
-                                       Integrator::kDormandPrince};
+                                       Integrator::kDormandPrince, Integrator::kVariational};
 constexpr LimitMode kLimitModes[] = {LimitMode::kNone, LimitMode::kPaper, LimitMode::kExact};
 constexpr long long kMaxSteps = 1'000'000'000, kMaxRows = 10'000'000;
 

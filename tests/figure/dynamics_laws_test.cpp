@@ -168,6 +168,18 @@ TEST(FigureDynamics, RespondIsTheDifferenceThatLoadsMake) {
   });
   std::printf("    off by %.1e\n", worst);
   EXPECT_LE(worst, 1e-11);
+  worst = 0;
+  on_random_trees([&](Case& c, RandomFigures& random) {
+    std::vector<double> before(c.state.qd.size()), after(before), change(before), none(before);
+    const std::vector<double> push = random.numbers(c.model.velocity_count());
+    c.dynamics.forward(c.state.q.data(), c.state.qd.data(), push.data(), after.data());
+    c.dynamics.forward(c.state.q.data(), c.state.qd.data(), none.data(), before.data());
+    c.dynamics.respond_to_torques(push.data(), change.data());
+    worst = std::max(worst,
+                     (mapped(after) - mapped(before) - mapped(change)).norm() / (1 + mapped(after).norm()));
+  });
+  std::printf("    torques: off by %.1e\n", worst);
+  EXPECT_LE(worst, 1e-11);
 }
 
 // What is not dynamic and leads to nothing dynamic is left out; what only carries dynamic joints is moved,

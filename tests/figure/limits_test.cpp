@@ -81,6 +81,14 @@ TEST(Limits, RungeKuttaKeepsOrderFourThroughStops) {
   EXPECT_NEAR(observed, 4, 0.3);
 }
 
+TEST(Limits, VariationalStepsKeepOrderTwoThroughStops) {
+  const Comparison coarse = compare(Integrator::kVariational, 8),
+                   fine = compare(Integrator::kVariational, 16);
+  const double observed = std::log2(coarse.joints / fine.joints);
+  std::printf("    %.2e to %.2e, order %.2f\n", coarse.joints, fine.joints, observed);
+  EXPECT_NEAR(observed, 2, 0.2);
+}
+
 FigureState random_start(const FigureModel& model, RandomFigures& random, double speed) {
   FigureState state = rest_state(model);
   for (int i = 1; i < model.link_count(); ++i) {

@@ -115,7 +115,7 @@ TEST(FigureReference, IntegratorsHaveTheirOrders) {
   };
   for (const Integration& c :
        {Integration{Integrator::kPaper, 16, 0.15}, Integration{Integrator::kRungeKutta4, 2, 0.2},
-        Integration{Integrator::kDormandPrince, 2, 0.6}}) {
+        Integration{Integrator::kDormandPrince, 2, 0.6}, Integration{Integrator::kVariational, 2, 0.1}}) {
     const double coarse = worst_over(humanoid(c.integrator, rows[0]), rows, c.steps, 0.25, pose);
     const double fine = worst_over(humanoid(c.integrator, rows[0]), rows, 2 * c.steps, 0.25, pose);
     const double observed = std::log2(coarse / fine);

@@ -67,6 +67,20 @@ TEST_F(FigureCommand, DoublePendulumR1) {
   std::printf("    r1 %.1e rad, energy %.1e J\n", q, energy);
   EXPECT_LE(q, 1e-8);
   EXPECT_LE(energy, 1e-8);
+  for (const char* name : {"variational", "paper", "rk4"}) {  // the same by less exact ones
+    ASSERT_EQ(figure(reference("pend2.amdl") +
+                     " --state start.json --time 1 --step 0.0005208333333333333 --every 32 --trace other.csv"
+                     " --integrator " +
+                     name),
+              0);
+    const CsvTable other = trace("other.csv");
+    double worst = 0;
+    for (std::size_t i = 0; i < other.rows(); ++i)
+      worst = std::max(worst, std::abs(other.at(i, 2) - wanted.at(i, 2)));
+    std::printf("    %s %.1e\n", name, worst);
+    EXPECT_LE(worst, 0.02);
+    EXPECT_GT(worst, 1e-14);
+  }
 }
 
 TEST_F(FigureCommand, HumanoidInFreeFlightR3) {

@@ -25,9 +25,10 @@ inline S3<T> congruent(const M3<T>& a, const M3<T>& b) {
   return {dot(a.x, b.x), dot(a.x, b.y), dot(a.x, b.z), dot(a.y, b.y), dot(a.y, b.z), dot(a.z, b.z)};
 }
 
-// (4), (5) of a dynamic joint: what is left of the body's inertia once the joint yields. tau: its torque.
+// (4), (5) of a dynamic joint: what is left of the body's inertia once the joint yields. tau: its torque;
+// own: its own inertia.
 template <class T>
-inline void yield(const TreeBody& body, const T* tau, BodyWork<T>& work, BallWork<T>& ball) {
+inline void yield(const TreeBody& body, double own, const T* tau, BodyWork<T>& work, BallWork<T>& ball) {
   Inertia6<T>& i = work.inertia;
   switch (body.joint) {
     case JointKind::kHinge:
@@ -44,7 +45,7 @@ inline void yield(const TreeBody& body, const T* tau, BodyWork<T>& work, BallWor
         work.push = tau[body.v] - dot(s, work.bias.move);
       }
       const T least = (i.turn.xx + i.turn.yy + i.turn.zz + i.move.xx) * kSmallestPivot;
-      work.pivot = 1.0 / (diagonal + least + body.armature);
+      work.pivot = 1.0 / (diagonal + least + own);
       const V6<T> scaled{work.reach.turn * work.pivot, work.reach.move * work.pivot};
       const T gain = work.push - dot(work.reach, work.drift);
       work.bias = work.bias + i * work.drift + V6<T>{scaled.turn * gain, scaled.move * gain};
@@ -57,7 +58,7 @@ inline void yield(const TreeBody& body, const T* tau, BodyWork<T>& work, BallWor
     }
     case JointKind::kBall: {
       // In world axes S is the identity: D = turn + armature, and turn D^-1 = 1 - armature D^-1.
-      const T armature = ball.armature = (i.turn.xx + i.turn.yy + i.turn.zz) * kSmallestPivot + body.armature;
+      const T armature = ball.armature = (i.turn.xx + i.turn.yy + i.turn.zz) * kSmallestPivot + own;
       S3<T> diagonal = i.turn;
       diagonal.xx += armature;
       diagonal.yy += armature;

@@ -51,6 +51,12 @@ void FigureDynamics::set_base_acceleration(const Vec3& acceleration) {
   check_range("base_acceleration", acceleration, -kMaxAcceleration, kMaxAcceleration);
   impl_->base_acceleration = acceleration;
 }
+const Vec3& FigureDynamics::base_acceleration() const { return impl_->base_acceleration; }
+
+void FigureDynamics::set_implicit_time(double time) {
+  check_range("implicit time", time, 0, 1);
+  impl_->implicit_time = time;
+}
 
 void FigureDynamics::forward(const double* q, const double* qd, const double* tau, double* qdd,
                              std::span<const Wrench> loads) {
@@ -81,7 +87,8 @@ void FigureDynamics::forward(const double* q, const double* qd, const double* ta
     BodyWork<double>& work = m.work[static_cast<std::size_t>(*it)];
     const bool topmost = body.parent < 0 || !m.plan.bears[static_cast<std::size_t>(body.parent)];
     if (m.plan.dynamic[static_cast<std::size_t>(*it)]) {
-      yield(body, m.torque.data(), work, m.balls[static_cast<std::size_t>(body.ball)]);
+      yield(body, body.armature + m.implicit_time * body.damping, m.torque.data(), work,
+            m.balls[static_cast<std::size_t>(body.ball)]);
     } else {
       carry(work);
     }
@@ -107,13 +114,24 @@ void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {
     const V6<double> wrench = m.at_joint(load, body);
     if (body >= 0) m.reply[static_cast<std::size_t>(body)] = m.reply[static_cast<std::size_t>(body)] - wrench;
   }
+  m.respond(m.zero.data(), change);
+}
+
+void FigureDynamics::respond_to_torques(const double* tau, double* change) {
+  Impl& m = *impl_;
+  for (V6<double>& wrench : m.reply) wrench = {{0, 0, 0}, {0, 0, 0}};
+  m.respond(tau, change);
+}
+
+void FigureDynamics::Impl::respond(const double* tau, double* change) {
+  Impl& m = *this;
   for (auto it = m.plan.articulated.rbegin(); it != m.plan.articulated.rend(); ++it) {
     const auto i = static_cast<std::size_t>(*it);
     const TreeBody& body = m.tree.bodies[i];
     if (body.parent < 0 || !m.plan.bears[static_cast<std::size_t>(body.parent)]) continue;
     const V6<double> on =
         m.plan.dynamic[i]
-            ? passed_on(body, m.work[i], m.balls[static_cast<std::size_t>(body.ball)], m.reply[i])
+            ? passed_on(body, m.work[i], m.balls[static_cast<std::size_t>(body.ball)], tau, m.reply[i])
             : m.reply[i];
     V6<double>& parent = m.reply[static_cast<std::size_t>(body.parent)];
     parent.turn = parent.turn + on.turn + cross(m.work[i].arm, on.move);
@@ -129,7 +147,7 @@ void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {
       a.move = a.move + cross(a.turn, m.work[i].arm);
     }
     m.reply[i] = m.plan.dynamic[i] ? replied(body, m.work[i], m.balls[static_cast<std::size_t>(body.ball)],
-                                             m.reply[i], a, change)
+                                             tau, m.reply[i], a, change)
                                    : a;
   }
 }

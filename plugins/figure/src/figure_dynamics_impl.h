@@ -50,11 +50,15 @@ struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
     }
   }
 
+  // (8) for the wrenches in `reply` and for torques.
+  void respond(const double* tau, double* change);
+
   FigureModel model;
   Tree tree;
   WalkPlan plan;
   Vec3 gravity{0, 0, -9.81};
   Vec3 base_acceleration = Vec3::Zero();
+  double implicit_time = 0;
   WorldFrame<double> world{};
   std::vector<BodyWork<double>> work;
   std::vector<BallWork<double>> balls;

@@ -15,10 +15,11 @@ PrescribedMotion::~PrescribedMotion() = default;
 FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrator how)
     : dynamics(model), integrator(how), state(std::move(start)) {
   check_state(model, state);
-  next = stage = begin = state;
+  next = stage = begin = whole = state;
   const auto n = static_cast<std::size_t>(model.velocity_count());
   const auto links = static_cast<std::size_t>(model.link_count());
-  for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction}) v->resize(n);
+  for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction, &change})
+    v->resize(n);
   for (int i = 0; i < 6; ++i) {
     rates[i].resize(n);
     accelerations[i].resize(n);
@@ -37,6 +38,10 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
   stops.assign(limited.size(), Stop::kFree);
   candidates = leaning = stops;
   grazing.assign(limited.size(), 0);
+  if (integrator == Integrator::kVariational) {
+    variational = std::make_unique<VariationalStep>(model);
+    accelerator = std::make_unique<Anderson>(n);
+  }
   set_joints();
 }
 
@@ -70,6 +75,8 @@ void FigureStepper::Impl::prescribe(double at, FigureState& to, std::vector<doub
 void FigureStepper::Impl::advance(double dt) {
   if (integrator == Integrator::kPaper) {
     advance_as_paper(dt);
+  } else if (integrator == Integrator::kVariational) {
+    advance_by_variation(dt);
   } else {
     advance_by_stages(dt);
   }

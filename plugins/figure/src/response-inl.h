@@ -7,23 +7,24 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
 // (8): the part of a wrench that the joint passes on to the parent, and what answer it causes. `reply` is the
-// change of the bias.
+// change of the bias, tau that of the joints' torques.
 template <class T>
-inline V6<T> passed_on(const TreeBody& body, const BodyWork<T>& work, const BallWork<T>& ball,
+inline V6<T> passed_on(const TreeBody& body, const BodyWork<T>& work, const BallWork<T>& ball, const T* tau,
                        const V6<T>& reply) {
   switch (body.joint) {
     case JointKind::kHinge: {
-      const T gain = work.pivot * -dot(work.axes.z, reply.turn);
+      const T gain = work.pivot * (tau[body.v] - dot(work.axes.z, reply.turn));
       return {reply.turn + work.reach.turn * gain, reply.move + work.reach.move * gain};
     }
     case JointKind::kPrismatic: {
-      const T gain = work.pivot * -dot(work.axes.z, reply.move);
+      const T gain = work.pivot * (tau[body.v] - dot(work.axes.z, reply.move));
       return {reply.turn + work.reach.turn * gain, reply.move + work.reach.move * gain};
     }
     case JointKind::kBall: {
       // turn D^-1 = 1 - armature D^-1
-      const V3<T> solved = ball.pivot * reply.turn;
-      return {solved * ball.armature, reply.move - transposed_times(ball.solved, reply.turn)};
+      const V3<T> torque = work.axes * V3<T>{tau[body.v], tau[body.v + 1], tau[body.v + 2]};
+      const V3<T> push = torque - reply.turn;
+      return {torque - (ball.pivot * push) * ball.armature, reply.move + transposed_times(ball.solved, push)};
     }
     case JointKind::kFree:
     case JointKind::kFixed:
@@ -35,23 +36,24 @@ inline V6<T> passed_on(const TreeBody& body, const BodyWork<T>& work, const Ball
 // (8), outward: change of the acceleration of joint and body, from that of the parent already carried to the
 // body.
 template <class T>
-inline V6<T> replied(const TreeBody& body, const BodyWork<T>& work, const BallWork<T>& ball,
+inline V6<T> replied(const TreeBody& body, const BodyWork<T>& work, const BallWork<T>& ball, const T* tau,
                      const V6<T>& reply, V6<T> a, T* change) {
   switch (body.joint) {
     case JointKind::kHinge: {
-      const T rate = work.pivot * (-dot(work.axes.z, reply.turn) - dot(work.reach, a));
+      const T rate = work.pivot * (tau[body.v] - dot(work.axes.z, reply.turn) - dot(work.reach, a));
       a.turn = a.turn + work.axes.z * rate;
       change[body.v] = rate;
       break;
     }
     case JointKind::kPrismatic: {
-      const T rate = work.pivot * (-dot(work.axes.z, reply.move) - dot(work.reach, a));
+      const T rate = work.pivot * (tau[body.v] - dot(work.axes.z, reply.move) - dot(work.reach, a));
       a.move = a.move + work.axes.z * rate;
       change[body.v] = rate;
       break;
     }
     case JointKind::kBall: {
-      const V3<T> rate = ball.pivot * (a.turn * ball.armature - reply.turn) - a.turn - ball.solved * a.move;
+      const V3<T> push = work.axes * V3<T>{tau[body.v], tau[body.v + 1], tau[body.v + 2]} - reply.turn;
+      const V3<T> rate = ball.pivot * (push + a.turn * ball.armature) - a.turn - ball.solved * a.move;
       a.turn = a.turn + rate;
       const V3<T> own = transposed_times(work.axes, rate);
       change[body.v] = own.x;
@@ -60,7 +62,9 @@ inline V6<T> replied(const TreeBody& body, const BodyWork<T>& work, const BallWo
       break;
     }
     case JointKind::kFree: {
-      a = solve_free(work.inertia, V6<T>{-reply.turn, -reply.move});
+      a = solve_free(work.inertia,
+                     V6<T>{V3<T>{tau[body.v], tau[body.v + 1], tau[body.v + 2]} - reply.turn,
+                           V3<T>{tau[body.v + 3], tau[body.v + 4], tau[body.v + 5]} - reply.move});
       change[body.v] = a.turn.x;
       change[body.v + 1] = a.turn.y;
       change[body.v + 2] = a.turn.z;

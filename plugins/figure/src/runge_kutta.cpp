@@ -36,9 +36,11 @@ const char* name(Integrator integrator) {
     case Integrator::kRungeKutta4:
       return "rk4";
     case Integrator::kDormandPrince:
+      return "dopri5";
+    case Integrator::kVariational:
       break;
   }
-  return "dopri5";
+  return "variational";
 }
 
 int order(Integrator integrator) {
@@ -48,9 +50,11 @@ int order(Integrator integrator) {
     case Integrator::kRungeKutta4:
       return 4;
     case Integrator::kDormandPrince:
+      return 5;
+    case Integrator::kVariational:
       break;
   }
-  return 5;
+  return 2;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "anderson.h"
 #include "softpoint/figure/figure_stepper.h"
+#include "variational_step.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
@@ -16,6 +19,8 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   void advance(double dt);
   void advance_by_stages(double dt);
   void advance_as_paper(double dt);
+  void advance_by_variation(double dt);
+  bool solve_variational(double dt);  // false: no end was found
   // The prescribed and stopped joints at a time, in `to`; their accelerations in `qdd`.
   void prescribe(double at, FigureState& to, std::vector<double>& qdd);
   void set_joints();  // tells the dynamics which joints are dynamic: chosen and not stopped
@@ -45,11 +50,13 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   FigureDynamics dynamics;
   Integrator integrator;
   LimitMode limits = LimitMode::kNone;
-  FigureState state, next, stage, begin;
+  FigureState state, next, stage, begin, whole;
   const PrescribedMotion* motion = nullptr;
   double time = 0;
   long long guard_fired = 0;
-  std::vector<double> increment, acceleration, torque, still;
+  std::vector<double> increment, acceleration, torque, still, change;
+  std::unique_ptr<VariationalStep> variational;  // of that integrator alone
+  std::unique_ptr<Anderson> accelerator;
   std::vector<double> rates[6], accelerations[6];
 
   std::vector<char> chosen;        // per link: dynamic if nothing stops it

@@ -90,8 +90,9 @@ void FigureStepper::Impl::meet_stops(double at) {
       stops[i] = candidates[i];
     }
   }
-  const Vec3 gravity = dynamics.gravity();
+  const Vec3 gravity = dynamics.gravity(), base = dynamics.base_acceleration();
   dynamics.set_gravity(Vec3::Zero());
+  dynamics.set_base_acceleration(Vec3::Zero());
   double scale = 0;
   pivot(
       stops, candidates, counts,
@@ -114,6 +115,7 @@ void FigureStepper::Impl::meet_stops(double at) {
         return side * (state.qd[v] + acceleration[v]) > kRounding * std::abs(acceleration[v]);
       });
   dynamics.set_gravity(gravity);
+  dynamics.set_base_acceleration(base);
   for (std::size_t k = 0; k < state.qd.size(); ++k) state.qd[k] += acceleration[k];
   for (std::size_t i = 0; i < limited.size(); ++i) {
     double& rate = state.qd[static_cast<std::size_t>(limited[i].v)];

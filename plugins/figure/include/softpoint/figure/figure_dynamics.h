@@ -57,6 +57,10 @@ class SOFTPOINT_API FigureDynamics {
   const Vec3& gravity() const;
   // Acceleration (m/s2) of the world the figure stands in, added to all: `a` of (1) is this less gravity.
   void set_base_acceleration(const Vec3& acceleration);
+  const Vec3& base_acceleration() const;
+  // This time (s; 0 to begin with) times a joint's viscous friction counts as inertia of the joint in
+  // forward(): what makes a step of so much implicit in it.
+  void set_implicit_time(double time);
 
   // Accelerations of the dynamic joints for `tau` (null: zero torque) less the joints' viscous friction, and
   // for `loads`. Entries of prescribed joints in `qdd` are read, the others written.
@@ -65,6 +69,8 @@ class SOFTPOINT_API FigureDynamics {
   // After forward(): what the accelerations of the dynamic joints gain from `loads` alone, everything else
   // unchanged.
   void respond(std::span<const Wrench> loads, double* change);
+  // The same for torques (N m, N) in the dynamic joints: H^-1 tau.
+  void respond_to_torques(const double* tau, double* change);
   // Torques (N m, N) of all joints that give the accelerations `qdd`: (1). Friction and armature included.
   void inverse(const double* q, const double* qd, const double* qdd, double* tau,
                std::span<const Wrench> loads = {});

@@ -10,8 +10,9 @@ enum class Integrator {
   kPaper,          // (5) and (6): semi-implicit Euler, order 1
   kRungeKutta4,    // order 4, the default
   kDormandPrince,  // order 5, the exact setting
+  kVariational,    // order 2, discrete mechanics: momentum is kept to rounding, energy does not drift
 };
-// "paper", "rk4", "dopri5".
+// "paper", "rk4", "dopri5", "variational".
 SOFTPOINT_API const char* name(Integrator integrator);
 // Its order of convergence.
 SOFTPOINT_API int order(Integrator integrator);
