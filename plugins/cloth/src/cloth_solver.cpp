@@ -106,6 +106,7 @@ Vec3 ClothSolver::hand_force(int hand) const { return stepper_->hand_force(hand)
 Vec3 ClothSolver::hand_impulse(int hand) const { return stepper_->hand_impulse(hand); }
 double ClothSolver::kinetic_energy() const { return stepper_->kinetic_energy(); }
 double ClothSolver::potential_energy() const { return stepper_->potential_energy(); }
+double ClothSolver::mechanical_energy() const { return stepper_->mechanical_energy(); }
 const SolverProfile& ClothSolver::profile() const { return stepper_->profile; }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::cloth

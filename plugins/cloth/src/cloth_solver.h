@@ -109,8 +109,9 @@ class ClothSolver {
   Vec3 hand_force(int hand) const;
   // What it gave its point in the last substep, inertia and dampers included, N s.
   Vec3 hand_impulse(int hand) const;
-  double kinetic_energy() const;    // J
-  double potential_energy() const;  // J: springs, bending, weight, air
+  double kinetic_energy() const;     // J
+  double potential_energy() const;   // J: springs, bending, weight, air
+  double mechanical_energy() const;  // J: kinetic and potential without the air's
   const SolverProfile& profile() const;
 
  private:

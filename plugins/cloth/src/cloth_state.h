@@ -41,7 +41,8 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   void choose_carrier(const NearColliders& near);
   void couple(double h, NearColliders& near, std::span<HeldPoint> held);
   void begin_self(std::span<const HeldPoint> held);
-  void meet_self();
+  void meet_self(double h);
+  void calm_self(double excess);
   void end_air(double dt, NearColliders& near);
   // All of it in the `paper` mode (cloth_paper.cpp).
   void advance_paper(double dt, const Vec3& acceleration, NearColliders& near, std::span<HeldPoint> held);
@@ -62,6 +63,7 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   std::vector<double> friction_factor;
   std::vector<double> inverse_masses;  // 1/kg; 0 where held
   bool self_near = false;              // cloth may meet cloth in this frame
+  double self_energy = 0;              // J, mechanical, at the end of the last small step
   Vec3 air_origin = Vec3::Zero();
   Vec3 air_shift = Vec3::Zero();      // m, of what the bubbles lie on, since the frame began
   Vec3 carrier_start = Vec3::Zero();  // m, centre of it then

@@ -38,6 +38,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
   s.place_hands(dt, near, held);
   const int parts = s.solver.begin_frame(dt);
   const double h = dt / parts;
+  s.self_energy = s.solver.mechanical_energy();
   for (int part = 0; part < parts; ++part) {
     near.begin(h);
     if (part > 0) {
@@ -51,7 +52,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
       s.solver.positions(s.positions);
       s.solver.velocities(s.velocities);
     }
-    s.meet_self();
+    s.meet_self(h);
     s.couple(h, near, held);
     near.advance(h);
   }
@@ -232,19 +233,48 @@ void Cloth::State::follow(NearColliders& near, double rest, std::span<HeldPoint>
 }
 
 // Cloth on cloth, after each small step.
-void Cloth::State::meet_self() {
+void Cloth::State::meet_self(double h) {
   profile.counts.self_skipped = !design.self_contact.on || !self_near;
   if (profile.counts.self_skipped) {
     return;
   }
   StageTimer timer(profile.seconds.self);
-  const bool changed =
-      self.correct({positions, velocities, inverse_masses, before, gatherer.contacts(), &solver},
-                   design.self_contact.friction);
+  const bool changed = self.correct({positions, velocities, inverse_masses, before, gatherer.contacts(), h},
+                                    design.self_contact.friction);
   if (changed) {
+    self_energy = std::max(self_energy, solver.mechanical_energy());
     solver.set_positions(positions);
     solver.set_velocities(velocities);
+    calm_self(solver.mechanical_energy() - self_energy);
   }
+  self_energy = solver.mechanical_energy();
+}
+
+// What corrections stretch must not come back as motion: what they leave beyond the energy (J) that the small
+// step began with is taken out of the velocities relative to their mean, of held cloth out of all.
+void Cloth::State::calm_self(double excess) {
+  if (!(excess > 0.0)) {
+    return;
+  }
+  Vec3 mean = Vec3::Zero();
+  double mass = 0, relative = 0;
+  for (std::size_t v = 0; v < velocities.size() && hands.empty(); ++v) {
+    mean += wet.masses[v] * velocities[v];
+    mass += wet.masses[v];
+  }
+  if (mass > 0.0) {
+    mean /= mass;
+  }
+  for (std::size_t v = 0; v < velocities.size(); ++v) {
+    relative += 0.5 * wet.masses[v] * (velocities[v] - mean).squaredNorm();
+  }
+  const double keep = relative > excess ? std::sqrt(1.0 - excess / relative) : 0.0;
+  for (std::size_t v = 0; v < velocities.size(); ++v) {
+    if (inverse_masses[v] > 0.0) {
+      velocities[v] = mean + keep * (velocities[v] - mean);
+    }
+  }
+  solver.set_velocities(velocities);
 }
 
 // Impulses of a small step on what they move, and of hands on what they are tied to.
@@ -402,6 +432,7 @@ void Cloth::State::read(double step, NearColliders& near, std::span<HeldPoint> h
   profile.counts.self_patches = self.counts.patch_pairs;
   profile.counts.self_pairs = self.counts.pairs;
   profile.counts.self_contacts = self.counts.contacts;
+  profile.counts.self_zones = self.counts.zones;
   profile.counts.self_dropped = self.counts.dropped;
 }
 

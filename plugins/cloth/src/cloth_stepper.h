@@ -59,6 +59,7 @@ class ClothStepper {
   virtual Vec3 hand_impulse(int hand) const = 0;
   virtual double kinetic_energy() const = 0;
   virtual double potential_energy() const = 0;
+  virtual double mechanical_energy() const = 0;
   virtual std::span<const PocketState> pockets() const = 0;
 
   ClothInputs& inputs() { return *in_; }

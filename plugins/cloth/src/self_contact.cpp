@@ -9,35 +9,34 @@
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 namespace {
 
-// What a frame may cost at most, however wild: pairs a point, pairs of faces a face, searches. What is left
-// out is counted (Counts::dropped).
-constexpr std::size_t kMostPairs = 16;
-constexpr int kMostFacePairs = 24;
-constexpr int kMostSearches = 10;
+// What a search may find at most: pairs a point, pairs of faces a face. What is left out is counted
+// (Counts::dropped).
+constexpr std::size_t kMostPairs = 48;
+constexpr int kMostFacePairs = 96;
 // Two faces give at most nine pairs of edges and six of points and faces.
 constexpr std::size_t kPairsOfFaces = 15;
 // Of the spacing: how far points move before near pairs are looked for anew.
 constexpr double kRoom = 0.3;
+// Of that: what points may move against each other within a small step; the rest of the way they lose.
+constexpr double kMostRooms = 4;
 // Rounds of corrections after a small step.
-constexpr int kRounds = 4;
-// Edges whose directions have a smaller sine have no common normal worth the name; their points meet faces.
-constexpr double kParallel = 0.05;
+constexpr int kRounds = 6;
+// Of the thickness: what a pair that is too near is taken apart by in a small step. At once would be a blow.
+constexpr double kRecovery = 0.02;
 // m; smaller motions are taken as they are.
 constexpr double kWorthFitting = 2e-4;
 
 }  // namespace
 
-bool SelfContactPass::before_in_list(const Pair& a, const Pair& b) {
-  return a.edges != b.edges
-             ? a.edges < b.edges
-             : std::lexicographical_compare(std::begin(a.v), std::end(a.v), std::begin(b.v), std::end(b.v));
-}
-
 SelfContactPass::SelfContactPass(const ClothPattern& pattern, double thickness)
-    : patches_(pattern), thickness_(thickness), room_(kRoom * pattern.spacing) {
+    : patches_(pattern),
+      zones_(pattern.points.size()),
+      thickness_(thickness),
+      room_(kRoom * pattern.spacing) {
   searched_at_.assign(pattern.points.size(), Vec3::Zero());
+  wanted_.assign(pattern.points.size(), Vec3::Zero());
   pairs_.reserve(kMostPairs * pattern.points.size() + kPairsOfFaces);
-  crossed_.reserve(pairs_.capacity());
+  meetings_.reserve(pairs_.capacity());
 }
 
 void SelfContactPass::forget() {
@@ -97,13 +96,6 @@ bool SelfContactPass::begin_frame(std::span<const Vec3> positions, std::span<con
 
 void SelfContactPass::search(std::span<const Vec3> positions) {
   ++counts.searches;
-  crossed_.clear();
-  for (const Pair& pair : pairs_) {
-    if (pair.side != 0 && pair.due <= travel_) {
-      crossed_.push_back(pair);  // touching: the side it is on is not to be asked anew
-    }
-  }
-  std::sort(crossed_.begin(), crossed_.end(), before_in_list);
   travel_ = 0;
   pairs_.clear();
   most_face_pairs_ = kMostFacePairs * static_cast<int>(patches_.faces().size());
@@ -116,12 +108,6 @@ void SelfContactPass::search(std::span<const Vec3> positions) {
     consider(face, other, positions);
     consider(other, face, positions);
   });
-  for (Pair& pair : pairs_) {
-    const auto old = std::lower_bound(crossed_.begin(), crossed_.end(), pair, before_in_list);
-    if (old != crossed_.end() && !before_in_list(pair, *old)) {
-      pair.side = old->side;
-    }
-  }
   std::copy(positions.begin(), positions.end(), searched_at_.begin());
   known_ = true;
   counts.pairs = static_cast<int>(pairs_.size());
@@ -148,7 +134,7 @@ void SelfContactPass::consider(int face, int other, std::span<const Vec3> positi
     const double area = normal.norm();
     const double height = area > 0.0 ? normal.dot(at(p) - at(there[0])) / area : 0.0;
     if (std::abs(height) <= reach) {
-      pairs_.push_back({{p, there[0], there[1], there[2]}, false, 0, 0.0});
+      pairs_.push_back({{p, there[0], there[1], there[2]}, false, 0});
     }
   }
   if (face > other) {
@@ -170,104 +156,66 @@ void SelfContactPass::consider(int face, int other, std::span<const Vec3> positi
       if ((low - other_high).cwiseMax(other_low - high).maxCoeff() > reach) {
         continue;
       }
-      Pair pair{{a, b, c, d}, true, 0, 0.0};
-      const double height = std::abs(gap_of(pair, positions).height);
-      if (height <= reach || height > 1e29) {
-        pairs_.push_back(pair);
-      }
+      pairs_.push_back({{a, b, c, d}, true, 0});
     }
   }
 }
 
-// Height of the point over the plane of the face, or distance of the two lines; weights of the four points in
-// it.
-SelfContactPass::Gap SelfContactPass::gap_of(const Pair& pair, std::span<const Vec3> positions) {
-  const Vec3 &a = positions[static_cast<std::size_t>(pair.v[0])],
-             &b = positions[static_cast<std::size_t>(pair.v[1])],
-             &c = positions[static_cast<std::size_t>(pair.v[2])],
-             &d = positions[static_cast<std::size_t>(pair.v[3])];
-  Gap gap;
-  if (pair.edges) {
-    const Vec3 u = b - a, w = d - c, r = c - a;
-    const Vec3 normal = u.cross(w);
-    const double uu = u.squaredNorm(), ww = w.squaredNorm(), nn = normal.squaredNorm();
-    if (nn <= kParallel * kParallel * uu * ww) {
-      gap.height = 1e30;
-      return gap;
+// The pairs that may touch while points go `way` (m) against each other, as they are at the start of the
+// small step.
+void SelfContactPass::activate(std::span<const Vec3> before, double way) {
+  const double limit = travel_ + way;
+  for (Pair& pair : pairs_) {
+    if (pair.due > limit) {
+      continue;
     }
-    gap.normal = normal / std::sqrt(nn);
-    const double s = r.cross(w).dot(normal) / nn, t = r.cross(u).dot(normal) / nn;
-    gap.weights[0] = 1.0 - s;
-    gap.weights[1] = s;
-    gap.weights[2] = t - 1.0;
-    gap.weights[3] = -t;
-    gap.height = -r.dot(gap.normal);
-    gap.within = s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0;
-    return gap;
+    Vec3 x[4];
+    pair.corners(before, x);
+    SelfMeeting meeting;
+    meeting.pair = pair;
+    meeting.nearest = nearest_of(pair.edges, x);
+    const double distance = meeting.nearest.distance;
+    pair.due = travel_ + distance - 2.0 * thickness_;
+    if (pair.due > limit || !(distance > 0.0)) {
+      continue;
+    }
+    pair.due = HUGE_VAL;  // not twice in this small step
+    meeting.normal = meeting.nearest.apart / distance;
+    meeting.thickness = thickness_;
+    meeting.wanted = std::min(thickness_, distance + kRecovery * thickness_);
+    meetings_.push_back(meeting);
   }
-  const Vec3 e1 = c - b, e2 = d - b, r = a - b;
-  const Vec3 normal = e1.cross(e2);
-  const double nn = normal.squaredNorm();
-  if (!(nn > 0.0)) {
-    gap.height = 1e30;
-    return gap;
-  }
-  gap.normal = normal / std::sqrt(nn);
-  const double wc = r.cross(e2).dot(normal) / nn, wd = e1.cross(r).dot(normal) / nn, wb = 1.0 - wc - wd;
-  gap.weights[0] = 1.0;
-  gap.weights[1] = -wb;
-  gap.weights[2] = -wc;
-  gap.weights[3] = -wd;
-  gap.height = r.dot(gap.normal);
-  gap.within = wb >= 0.0 && wc >= 0.0 && wd >= 0.0;
-  return gap;
 }
 
-// Which side the first is on, chosen when the two come within each other: the one it was on where the small
-// step began, unless it went round.
-void SelfContactPass::choose_side(Pair& pair, const Gap& gap, const Points& points) {
-  const double before = gap_of(pair, points.before).height;
-  bool through = std::abs(before) < 1e29 && before * gap.height < 0.0;
-  if (through) {
-    // Where the two were level on their way: within, or past an edge?
-    const double time = before / (before - gap.height);
-    Vec3 between[4];
-    Pair local = pair;
-    for (int k = 0; k < 4; ++k) {
-      const auto v = static_cast<std::size_t>(pair.v[k]);
-      between[k] = points.before[v] + time * (points.positions[v] - points.before[v]);
-      local.v[k] = k;
-    }
-    through = gap_of(local, between).within;
+// Takes two apart and stops their approach, with friction.
+bool SelfContactPass::push_apart(const SelfMeeting& meeting, const Points& points, double friction) {
+  Vec3 x[4];
+  meeting.pair.corners(points.positions, x);
+  const double* weights = meeting.nearest.weights;
+  const Vec3& normal = meeting.normal;
+  const double missing = meeting.wanted - meeting.nearest.gap(x, normal);
+  if (!(missing > 1e-3 * thickness_)) {
+    return false;
   }
-  pair.side = (through ? before : gap.height) < 0.0 ? -1 : 1;
-}
-
-// Takes two apart to the thickness and stops their approach, with friction.
-bool SelfContactPass::separate(const Pair& pair, const Gap& gap, const Points& points, double friction) {
-  const double missing = thickness_ - pair.side * gap.height;
-  const Vec3 normal = static_cast<double>(pair.side) * gap.normal;
-  double give = 0, give_position = 0, position_mass[4], speed_masses[4];
+  double give = 0, give_position = 0, position_mass[4], speed_mass[4];
   Vec3 velocity = Vec3::Zero();
   for (int k = 0; k < 4; ++k) {
-    const auto v = static_cast<std::size_t>(pair.v[k]);
-    const double inverse = points.inverse_masses[v];
-    speed_masses[k] = inverse;
-    // A point that lies on something cannot give way into it; its impulse goes there with the next small
-    // step.
-    const bool blocked = points.contacts[v].count > 0 && points.solver->touching(pair.v[k]) &&
-                         gap.weights[k] * normal.dot(points.contacts[v].planes[0].normal) < 0.0;
-    position_mass[k] = blocked ? 0.0 : inverse;
-    give += gap.weights[k] * gap.weights[k] * inverse;
-    give_position += gap.weights[k] * gap.weights[k] * position_mass[k];
-    velocity += gap.weights[k] * points.velocities[v];
+    const auto v = static_cast<std::size_t>(meeting.pair.v[k]);
+    speed_mass[k] = points.inverse_masses[v];
+    // A point cannot give way into what it lies on; its impulse goes there with the next small step.
+    bool blocked = false;
+    for (int c = 0; c < points.contacts[v].count && !blocked; ++c) {
+      const ContactPlane& plane = points.contacts[v].planes[c];
+      blocked = weights[k] * normal.dot(plane.normal) < 0.0 &&
+                plane.normal.dot(x[k] - plane.foot - points.h * plane.velocity) < thickness_;
+    }
+    position_mass[k] = blocked ? 0.0 : speed_mass[k];
+    give += weights[k] * weights[k] * speed_mass[k];
+    give_position += weights[k] * weights[k] * position_mass[k];
+    velocity += weights[k] * points.velocities[v];
   }
   if (!(give > 0.0)) {
     return false;
-  }
-  if (give_position <= 1e-6 * give) {  // between what cannot move: the rest shares it
-    give_position = give;
-    std::copy(std::begin(speed_masses), std::end(speed_masses), std::begin(position_mass));
   }
   const double approach = -normal.dot(velocity);
   Vec3 impulse = Vec3::Zero();
@@ -277,47 +225,23 @@ bool SelfContactPass::separate(const Pair& pair, const Gap& gap, const Points& p
     const double speed = slip.norm(), most = friction * approach;
     impulse -= (speed > most ? most / speed : 1.0) / give * slip;
   }
+  const double by = give_position > 1e-6 * give ? missing / give_position : 0.0;
   for (int k = 0; k < 4; ++k) {
-    const auto v = static_cast<std::size_t>(pair.v[k]);
-    points.positions[v] += gap.weights[k] * position_mass[k] * missing / give_position * normal;
-    points.velocities[v] += gap.weights[k] * speed_masses[k] * impulse;
+    const auto v = static_cast<std::size_t>(meeting.pair.v[k]);
+    points.positions[v] += weights[k] * position_mass[k] * by * normal;
+    points.velocities[v] += weights[k] * speed_mass[k] * impulse;
   }
   return true;
 }
 
-bool SelfContactPass::correct(const Points& points, double friction) {
-  const double moved = spread(points.positions, points.before);
-  const bool may_search = counts.searches < kMostSearches;
-  if (!known_ || (may_search && spread(points.positions, searched_at_) >= 0.5 * (reach_ - thickness_))) {
-    // Of this small step alone: all that can meet within it has to be found, where it began.
-    // Beyond two rooms every face has every neighbour near: violent motion may miss some.
-    reach_ = thickness_ + std::clamp(2.5 * moved, room_, 2.0 * room_);
-    search(points.before);
-  }
-  if (pairs_.empty()) {
-    return false;
-  }
-  travel_ += 2.1 * moved;
+bool SelfContactPass::push_apart(const Points& points, double friction) {
   bool changed = false;
   for (int round = 0; round < kRounds; ++round) {
     bool corrected = false;
-    for (Pair& pair : pairs_) {
-      if (pair.due > travel_) {
-        continue;
-      }
-      const Gap gap = gap_of(pair, points.positions);
-      if (!gap.within) {
-        pair.side = 0;
-      } else if (pair.side == 0) {
-        choose_side(pair, gap, points);
-      }
-      const double height = pair.side == 0 ? std::abs(gap.height) : pair.side * gap.height;
-      // Corrections may bring others nearer by themselves: some room for those.
-      pair.due = gap.height < 1e29 ? travel_ + height - 2.0 * thickness_ : travel_;
-      if (gap.within && height < thickness_) {
-        corrected |= separate(pair, gap, points, friction);
-        ++counts.contacts;
-      }
+    for (const SelfMeeting& meeting : meetings_) {
+      const bool pushed = push_apart(meeting, points, friction);
+      counts.contacts += pushed;
+      corrected |= pushed;
     }
     if (!corrected) {
       break;
@@ -325,6 +249,72 @@ bool SelfContactPass::correct(const Points& points, double friction) {
     changed = true;
   }
   return changed;
+}
+
+// No point goes farther than `most` (m) against the mean of all.
+void SelfContactPass::slow_down(const Points& points, double most) {
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t v = 0; v < points.before.size(); ++v) {
+    mean += points.positions[v] - points.before[v];
+  }
+  mean /= static_cast<double>(points.before.size());
+  for (std::size_t v = 0; v < points.before.size(); ++v) {
+    const Vec3 own = points.positions[v] - points.before[v] - mean;
+    const double size = own.norm();
+    if (size > most && points.inverse_masses[v] > 0.0) {
+      const Vec3 lost = (1.0 - most / size) * own;
+      points.positions[v] -= lost;
+      points.velocities[v] -= lost / points.h;
+    }
+  }
+}
+
+bool SelfContactPass::correct(const Points& points, double friction) {
+  double moved = spread(points.positions, points.before);
+  const bool slowed = moved > 0.4 * kMostRooms * room_;
+  if (slowed) {
+    slow_down(points, 0.4 * kMostRooms * room_);
+    moved = 0.4 * kMostRooms * room_;
+  }
+  if (!known_ || spread(points.positions, searched_at_) >= 0.5 * reach_ - 1.5 * thickness_) {
+    // All that can meet within this small step has to be found, where it began.
+    reach_ = 3.0 * thickness_ + std::clamp(2.5 * moved, room_, kMostRooms * room_);
+    search(points.before);
+  }
+  if (pairs_.empty()) {
+    return slowed;
+  }
+  meetings_.clear();
+  activate(points.before, 2.0 * moved);
+  travel_ += 2.0 * moved;
+  if (meetings_.empty()) {
+    return slowed;
+  }
+  std::copy(points.positions.begin(), points.positions.end(), wanted_.begin());
+  const bool pushed = push_apart(points, friction);
+  // Farther, and pairs that nobody looked at could meet.
+  for (std::size_t v = 0; v < wanted_.size() && pushed; ++v) {
+    const Vec3 by = points.positions[v] - wanted_[v];
+    const double size = by.norm();
+    if (size > thickness_) {
+      points.positions[v] = wanted_[v] + thickness_ / size * by;
+    }
+  }
+  const SelfZones::Motion motion{points.positions, points.velocities, points.inverse_masses,
+                                 points.before,    points.contacts,   points.h};
+  const int joined = zones_.join(motion, meetings_);
+  counts.zones += joined;
+  double farthest = 0;
+  for (std::size_t v = 0; v < wanted_.size(); ++v) {
+    farthest = std::max(farthest, (points.positions[v] - wanted_[v]).squaredNorm());
+  }
+  travel_ += 2.0 * std::sqrt(farthest);
+  for (Pair& pair : pairs_) {
+    if (pair.due == HUGE_VAL) {
+      pair.due = travel_;  // to be looked at in the next one
+    }
+  }
+  return slowed || pushed || joined > 0;
 }
 
 void SelfContactPass::archive(StateArchive& archive, int points) {
@@ -337,9 +327,6 @@ void SelfContactPass::archive(StateArchive& archive, int points) {
       archive.integer("self.point", v, 0, points - 1);
     }
     archive.flag("self.edges", pair.edges);
-    int side = pair.side;
-    archive.integer("self.side", side, -1, 1);
-    pair.side = static_cast<signed char>(side);
     archive.number("self.due", pair.due);
   });
 }

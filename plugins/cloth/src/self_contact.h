@@ -5,15 +5,17 @@
 
 #include "cloth_solver.h"
 #include "self_patches.h"
+#include "self_zones.h"
 #include "softpoint/cloth/cloth.h"
 #include "softpoint/core/state_archive.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
-// Keeps a cloth from passing through itself: points stay on the side of faces they came from, and edges on
-// that of edges, at the distance of the cloth's thickness, with friction. Near pairs are kept until points
-// have moved so far that others may have come near. Works on positions and velocities after each small step,
-// and keeps momentum: what one side gains the other loses.
+// Keeps a cloth from passing through itself: points and faces, edges and edges, at the distance of the
+// cloth's thickness, with friction. Works on positions and velocities after each small step, from where it
+// began, which is free of intersections: near pairs are pushed apart with momentum kept; whatever would still
+// pass through something goes together (SelfZones). So nothing ever crosses. Near pairs are kept until points
+// have moved so far that others may have come near.
 class SelfContactPass {
  public:
   SelfContactPass(const ClothPattern& pattern, double thickness);
@@ -25,13 +27,14 @@ class SelfContactPass {
     std::span<const double> inverse_masses;   // 1/kg; 0 for what a hand holds
     std::span<const Vec3> before;             // m, where the small step began
     std::span<const PointContacts> contacts;  // planes, where a point touches one
-    const ClothSolver* solver = nullptr;      // says which do
+    double h = 0;                             // s, of the small step
   };
   struct Counts {
     int searches = 0;     // for near pairs
     int patch_pairs = 0;  // looked at in the last search
     int pairs = 0;        // near each other
     int contacts = 0;     // corrections made
+    int zones = 0;        // points that had to go together with others
     int dropped = 0;      // pairs of faces left out, beyond what a frame may cost
   };
 
@@ -40,44 +43,34 @@ class SelfContactPass {
   bool begin_frame(std::span<const Vec3> positions, std::span<const Vec3> velocities, double dt);
   // After a small step. Returns whether anything has changed.
   bool correct(const Points& points, double friction);
-  // Points were put elsewhere: nothing is known of sides.
+  // Points were put elsewhere: nothing is known of what is near what.
   void forget();
   void archive(StateArchive& archive, int points);
 
   Counts counts;
 
  private:
-  // Point a against face b, c, d, or edge a, b against edge c, d.
-  struct Pair {
-    int v[4] = {0, 0, 0, 0};
-    bool edges = false;
-    signed char side = 0;  // of the first against the second; 0: not within each other's reach yet
-    double due = 0;        // m, of `travel_`: until then the two cannot touch
-  };
-  struct Gap {
-    double weights[4];  // gap = sum weights x . normal
-    Vec3 normal = Vec3::Zero();
-    double height = 0;  // m, along the normal, signed
-    bool within = false;
-  };
+  using Pair = SelfPair;
 
   static double spread(std::span<const Vec3> to, std::span<const Vec3> from);
   void search(std::span<const Vec3> positions);
   void consider(int face, int other, std::span<const Vec3> positions);
-  static Gap gap_of(const Pair& pair, std::span<const Vec3> positions);
-  static void choose_side(Pair& pair, const Gap& gap, const Points& points);
-  bool separate(const Pair& pair, const Gap& gap, const Points& points, double friction);
-  static bool before_in_list(const Pair& a, const Pair& b);
+  void activate(std::span<const Vec3> before, double way);
+  static void slow_down(const Points& points, double most);
+  bool push_apart(const Points& points, double friction);
+  bool push_apart(const SelfMeeting& meeting, const Points& points, double friction);
 
   SelfPatches patches_;
+  SelfZones zones_;
   double thickness_;
   double room_;       // m, points move half of it before pairs are looked for anew
   double reach_ = 0;  // m, of the search
   bool known_ = false;
   int most_face_pairs_ = 0;  // that the search at work may still look at
   double travel_ = 0;        // m, sum of how far two points can have come nearer each other
-  std::vector<Vec3> searched_at_;
-  std::vector<Pair> pairs_, crossed_;
+  std::vector<Vec3> searched_at_, wanted_;
+  std::vector<Pair> pairs_;
+  std::vector<SelfMeeting> meetings_;
 };
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::cloth

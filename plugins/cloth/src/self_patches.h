@@ -96,7 +96,8 @@ class SelfPatches {
     }
   }
   void pick(std::size_t patch, const Box& region, std::vector<int>& out) const;
-  // Two faces that share a point and are not folded against each other.
+  // Two faces that share an edge and are not folded against each other. (Those that share a point only may
+  // lie on each other in a pleat, facing the same way.)
   bool unfolded(int face, int other) const {
     const auto f = static_cast<std::size_t>(face), g = static_cast<std::size_t>(other);
     const std::array<float, 3>&a = normals_[f], &b = normals_[g];
@@ -104,12 +105,11 @@ class SelfPatches {
       return false;
     }
     const Triangle &t = faces_[f], &o = faces_[g];
+    int shared = 0;
     for (const int v : t) {
-      if (v == o[0] || v == o[1] || v == o[2]) {
-        return true;
-      }
+      shared += v == o[0] || v == o[1] || v == o[2];
     }
-    return false;
+    return shared >= 2;
   }
   const Box& box_of(int face) const { return boxes_[static_cast<std::size_t>(face)]; }
 

@@ -94,12 +94,17 @@ double SweepStepper<T>::kinetic_energy() const {
 }
 
 template <class T>
-double SweepStepper<T>::potential_energy() const {
+double SweepStepper<T>::mechanical_energy() const {
   using A = SweepArrays<T>;
-  double energy = air_ ? air_energy() : 0;
+  double energy = kinetic_energy();
   for (const ColourPlan& plan : in_->layout.colours) energy += kernels_.elastic_energy(data_, plan);
   for (int slot : in_->layout.slot_of) {
     energy -= arrays_.field(A::kMass)[slot] * vector_at(A::kF, slot).dot(local(slot) + origin_);
   }
   return energy;
+}
+
+template <class T>
+double SweepStepper<T>::potential_energy() const {
+  return mechanical_energy() - kinetic_energy() + (air_ ? air_energy() : 0);
 }

@@ -40,6 +40,7 @@ class SweepStepper final : public ClothStepper {
   Vec3 hand_impulse(int hand) const override;
   double kinetic_energy() const override;
   double potential_energy() const override;
+  double mechanical_energy() const override;
   std::span<const PocketState> pockets() const override { return pocket_states_; }
 
  private:

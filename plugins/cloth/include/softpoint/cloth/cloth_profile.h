@@ -25,6 +25,7 @@ struct ClothProfile {
     int self_patches = 0;       // pairs of patches near each other
     int self_pairs = 0;         // pairs of points, edges and faces near each other
     int self_contacts = 0;      // corrections, summed over small steps
+    int self_zones = 0;         // points that went together with others lest they pass through them, likewise
     int self_dropped = 0;       // pairs of faces left out: beyond what a frame may cost
     bool self_skipped = false;  // switched off, or nothing can have come near itself
   };
