@@ -25,6 +25,33 @@ void check_saturation(std::span<const double> saturation, std::size_t points) {
   }
 }
 
+// The longest step of the explicit scheme that its springs, dry and at their stiffest, do not burst at, s: by
+// the largest sum of what acts on a point over its mass.
+double stable_step(const ClothDesign& design) {
+  const ClothPattern& pattern = design.pattern;
+  const Wetness& wet = design.wetness;
+  const double springs = std::max({1.0, wet.warp_factor, wet.weft_factor, wet.shear_factor});
+  const double bends = std::max(1.0, wet.bending_factor);
+  std::vector<double> stiff(pattern.points.size(), 0.0);
+  for (const Spring& spring : pattern.springs) {
+    for (const int v : {spring.a, spring.b})
+      stiff[static_cast<std::size_t>(v)] += 2 * springs * spring.stiffness;
+  }
+  for (const BendElement& bend : pattern.bends) {
+    double sum = 0;
+    for (const double weight : bend.weight) sum += std::abs(weight);
+    for (int k = 0; k < 4; ++k) {
+      stiff[static_cast<std::size_t>(bend.point[k])] +=
+          bends * bend.stiffness * std::abs(bend.weight[k]) * sum;
+    }
+  }
+  double square = 0;
+  for (std::size_t v = 0; v < stiff.size(); ++v) square = std::max(square, stiff[v] / pattern.masses[v]);
+  const double frequency = std::sqrt(square), damping = 0.5 * frequency * design.fabric.damping_time;
+  const double longest = 2 / (std::max(frequency, 1e-300) * (damping + std::sqrt(1 + damping * damping)));
+  return std::min(longest, 1 / std::max(design.fabric.drag_rate, 1e-300));
+}
+
 void check_design(const ClothDesign& design) {
   check(design.pattern);
   check(design.fabric);
@@ -32,6 +59,10 @@ void check_design(const ClothDesign& design) {
   check(design.air);
   check(design.self_contact);
   check(design.solver, "solver");
+  if (design.paper && !(design.paper->step <= stable_step(design))) {
+    throw Error("paper.step = " + to_text(design.paper->step) + ": permitted is at most " +
+                to_text(stable_step(design)) + ", the longest stable step for these springs and masses");
+  }
   if (!design.saturation.empty()) {
     check_saturation(design.saturation, design.pattern.points.size());
   }

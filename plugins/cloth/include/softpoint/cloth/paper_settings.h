@@ -23,7 +23,8 @@ enum class PaperFriction : std::int8_t {
 // The wet-cloth thesis' own scheme, kept as the reference that everything else is measured against: explicit
 // Verlet steps (3.1), the six forces (3.2) to (3.7), one bubble over a plane with (3.8) to (3.10), spheres
 // for self-collision. Only for grids over one plane. It bursts when the step is too long for the springs; the
-// longest stable one is below 1.5 sqrt(point mass / stiffest spring), and shorter with dampers.
+// longest stable one is below 1.5 sqrt(point mass / stiffest spring), and shorter with dampers. `Cloth` refuses
+// steps that it cannot be sure of.
 struct PaperSettings {
   double step = 1.0 / 12000;  // longest step, s; kMinSubstep to 1
   PaperPressure pressure = PaperPressure::kConstantArea;
