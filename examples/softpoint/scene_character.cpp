@@ -42,6 +42,10 @@ void read_joints(ObjectReader& item, elastic::AssemblySettings& joints) {
   joints.single_precision = item.choice<bool>(
       "precision", {{"single", true}, {"double", false}},
       {.fallback = "single", .doc = "of the segments' products; all the rest is in double"});
+  joints.surface_turns =
+      item.boolean("surface_turns",
+                   {.fallback = false,
+                    .doc = "segments that bend or twist far answer as shorter ones would; twice the time"});
 }
 
 void read_settings(ObjectReader& item, elastic::CharacterSettings& settings) {

@@ -87,17 +87,19 @@ struct Answers {
   double stretch = 0, bend = 0, twist = 0;
 };
 
-Answers answers_of(const AssemblyDesign& design, double length, double angle) {
+Answers answers_of(const AssemblyDesign& design, double length, double angle, bool surface_turns = true) {
   const auto led = [&](auto&& where, int steps) {
-    Assembly chain(design, AssemblySettings::exact());
+    AssemblySettings settings = AssemblySettings::exact();
+    settings.surface_turns = surface_turns;
+    Assembly chain(design, settings);
     chain.hold(kRoot, Hold::kSurface);
     chain.hold(kTip, Hold::kSurface);
     for (int i = 1; i <= steps; ++i) {
       where(chain, static_cast<double>(i) / steps);
       chain.solve();
     }
-    EXPECT_TRUE(chain.report().balanced) << "residual " << chain.report().residual << " after "
-                                         << chain.report().iterations << " iterations";
+    EXPECT_TRUE(chain.report().balanced)
+        << "residual " << chain.report().residual << " after " << chain.report().iterations << " iterations";
     return std::pair<Vec3, Vec3>(chain.force(kTip), chain.moment(kTip));
   };
   Answers a;
@@ -189,20 +191,43 @@ TEST(Accuracy, DoesNotDependOnWhereTheBarIsCut) {
   }
 }
 
-// Large turns are exact part by part and linear within one: what is left falls with the square of a part's
-// own turn.
-TEST(Accuracy, LargeTurnsConvergeWithTheLengthOfParts) {
+struct TurnedAnswers {
+  Answers two, metre, half;  // parts of 2, 1 and 0.5 m
+};
+
+TurnedAnswers turned_by_90_degrees(int sides, bool surface_turns) {
   const double angle = kPi / 2;
-  const Answers metre = answers_of(cut(kSevenMetres), 7, angle);
-  const Answers two = answers_of(cut({8, 8, 8, 4}), 7, angle),
-                half = answers_of(cut({2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2}), 7, angle);
+  const TurnedAnswers a = {answers_of(cut({8, 8, 8, 4}, sides), 7, angle, surface_turns),
+                           answers_of(cut(kSevenMetres, sides), 7, angle, surface_turns),
+                           answers_of(cut(std::vector<int>(14, 2), sides), 7, angle, surface_turns)};
   std::printf(
-      "    90 deg over 7 m, parts of 2, 1, 0.5 m: bend %.5g %.5g %.5g N m, twist %.5g %.5g %.5g N m\n",
-      two.bend, metre.bend, half.bend, two.twist, metre.twist, half.twist);
-  EXPECT_LT(std::abs(two.bend / metre.bend - 1), 0.1);
-  EXPECT_LT(std::abs(half.bend / metre.bend - 1), 0.02);
-  EXPECT_LT(std::abs(two.twist / metre.twist - 1), 0.1);
-  EXPECT_LT(std::abs(half.twist / metre.twist - 1), 0.02);
+      "    90 deg over 7 m, %d sides%s, parts of 2, 1, 0.5 m: bend %.5g %.5g %.5g N m, "
+      "twist %.5g %.5g %.5g N m\n",
+      sides, surface_turns ? ", surfaces turn" : "", a.two.bend, a.metre.bend, a.half.bend, a.two.twist,
+      a.metre.twist, a.half.twist);
+  return a;
+}
+
+// What linear parts leave out falls with the square of a part's own turn.
+TEST(Accuracy, LargeTurnsConvergeWithTheLengthOfParts) {
+  const TurnedAnswers a = turned_by_90_degrees(16, false);
+  EXPECT_LT(std::abs(a.two.bend / a.metre.bend - 1), 0.1);
+  EXPECT_LT(std::abs(a.half.bend / a.metre.bend - 1), 0.02);
+  EXPECT_LT(std::abs(a.two.twist / a.metre.twist - 1), 0.1);
+  EXPECT_LT(std::abs(a.half.twist / a.metre.twist - 1), 0.02);
+}
+
+// (J8) and (J9) take them in: what is left is what cuts change at small angles already.
+TEST(Accuracy, SurfacesThatTurnFarDoNotTellWhereTheBarIsCut) {
+  const TurnedAnswers coarse = turned_by_90_degrees(16, true), fine = turned_by_90_degrees(32, true);
+  EXPECT_LT(std::abs(coarse.two.bend / coarse.metre.bend - 1), 3e-3);
+  EXPECT_LT(std::abs(coarse.half.bend / coarse.metre.bend - 1), 1e-2);
+  EXPECT_LT(std::abs(coarse.two.twist / coarse.metre.twist - 1), 5e-3);
+  EXPECT_LT(std::abs(coarse.half.twist / coarse.metre.twist - 1), 1e-2);
+  for (const Answers& other : {fine.two, fine.half}) {
+    EXPECT_LT(std::abs(other.bend / fine.metre.bend - 1), 3e-3);
+    EXPECT_LT(std::abs(other.twist / fine.metre.twist - 1), 3e-3);
+  }
 }
 
 }  // namespace

@@ -33,11 +33,13 @@ Fields fields_of(BoneSettings& bone) {
 }
 
 Fields fields_of(AssemblySettings& settings) {
-  auto& [method, tolerance, max_iterations, kappa, predictor, ik_sweeps, single, instruction_set] = settings;
+  auto& [method, tolerance, max_iterations, kappa, predictor, ik_sweeps, single, instruction_set,
+         surface_turns] = settings;
   static_assert(std::is_same_v<decltype(method), JointMethod>);              // tried below
   static_assert(std::is_same_v<decltype(predictor), Predictor>);             // tried below
   static_assert(std::is_same_v<decltype(instruction_set), InstructionSet>);  // tried below
   static_assert(std::is_same_v<decltype(single), bool>);
+  static_assert(std::is_same_v<decltype(surface_turns), bool>);
   return {{"AssemblySettings.tolerance", tolerance, 1e-14, 1.0},
           {"AssemblySettings.max_iterations", max_iterations, 0, 100000},
           {"AssemblySettings.kappa", kappa, 0, 1e300},

@@ -69,8 +69,10 @@ TEST(PartGroup, ForcesAreTheGradientOfTheEnergy) {
   Noise noise;
   int index = 0;
   for (const AssemblyDesign& design : designs()) {
-    for (const bool loaded : {false, true}) {
+    for (const int kind : {0, 1, 2, 3}) {
+      const bool loaded = kind % 2 == 1, turned = kind >= 2;
       Mechanics m(design);
+      if (turned) m.group.turn_surfaces(true);
       if (loaded) load(m.group, noise);
       const Vector x = shape_of(m.group, noise);
       Vector gradient(m.group.size()), scratch(m.group.size());
@@ -84,7 +86,7 @@ TEST(PartGroup, ForcesAreTheGradientOfTheEnergy) {
         };
         const double found = (4 * slope(5e-5) - slope(1e-4)) / 3;
         EXPECT_NEAR(found, gradient.dot(way), 1e-7 * gradient.norm() * way.norm())
-            << "design " << index << (loaded ? ", loaded" : "");
+            << "design " << index << (loaded ? ", loaded" : "") << (turned ? ", surfaces turned" : "");
       }
     }
     ++index;

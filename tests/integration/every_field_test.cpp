@@ -48,7 +48,7 @@ std::vector<json> characters() {
     "look": "solid", "material": {"young": 1e5, "poisson": 0.3, "density": 500},
     "inertia": false, "weight": true, "reaction": true,
     "joints": {"method": "equilibrium", "tolerance": 1e-3, "max_iterations": 12, "kappa": 0,
-      "predictor": "automatic", "ik_sweeps": 10, "precision": "single"},
+      "predictor": "automatic", "ik_sweeps": 10, "precision": "single", "surface_turns": true},
     "shapes": [{"name": "link", "kind": "prism", "sides": 3, "stacks": 2, "radius": 0.05, "length": 0.1}],
     "parts": [{"name": "arm", "segments": [{"shape": "link", "count": 2}], "root": [0, 0, 0], "axis": [1, 0, 0],
       "roll": 0.1, "color": [1, 0, 0],

@@ -79,6 +79,7 @@ Assembly::Impl::Impl(const AssemblyDesign& given, const AssemblySettings& wanted
   for (int g = 0; g < placed.groups; ++g) {
     groups.push_back(
         std::make_unique<GroupState>(design, placed, g, models, *kernels, settings.single_precision));
+    groups.back()->group.turn_surfaces(settings.surface_turns);
     const PartGroup& group = groups.back()->group;
     for (std::size_t j = 0; j < group.joints().size(); ++j) {
       joint_places[static_cast<std::size_t>(group.joint_ids()[j])] = {g, static_cast<int>(j)};
@@ -158,7 +159,10 @@ void Assembly::set_settings(const AssemblySettings& settings) {
   next.single_precision = impl_->settings.single_precision;
   next.max_instruction_set = impl_->settings.max_instruction_set;
   impl_->check_kappa(next);
-  for (const auto& state : impl_->groups) state->changed = true;
+  for (const auto& state : impl_->groups) {
+    state->group.turn_surfaces(next.surface_turns);
+    state->changed = true;
+  }
   impl_->settings = next;
 }
 

@@ -26,7 +26,7 @@ void JointModes::factor() {
   }
   for (std::size_t m = 0; m < tangents_.size(); ++m) {
     if (segments_of_[m] > 0)
-      tangents_[m].prepare(group_.displacements(static_cast<int>(m)).data(), segments_of_[m]);
+      tangents_[m].prepare(group_.strains(static_cast<int>(m)).data(), segments_of_[m]);
   }
   for (std::size_t s = 0; s < graph_.segment_joints.size(); ++s) {
     const PartGroup::Segment& segment = group_.segments()[s];

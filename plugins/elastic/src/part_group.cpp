@@ -68,12 +68,16 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
     Batch& batch = batches_[m];
     if (batch.segments.empty()) continue;
     const PackedModel& packed = *models_[m];
+    const bool turned = !batch.turns.empty();
     const Eigen::Index count = packed.arms.rows(), depth = 3 * count, rows = packed.stiffness.padded_rows();
     for (const int s : batch.segments) {
       Segment& segment = segments_[static_cast<std::size_t>(s)];
-      fit(segment, x, batch.displacements.data() + segment.column * depth);
+      double* const d = batch.displacements.data() + segment.column * depth;
+      fit(segment, x, d);
+      if (turned) batch.turns[0].straighten(segment.column, d, batch.strains.data() + segment.column * depth);
     }
-    packed.stiffness.multiply(batch.displacements.data(), static_cast<Eigen::Index>(batch.segments.size()),
+    const std::vector<double>& strains = turned ? batch.strains : batch.displacements;
+    packed.stiffness.multiply(strains.data(), static_cast<Eigen::Index>(batch.segments.size()),
                               batch.forces.data(), scratch_.data());
     products += static_cast<long long>(batch.segments.size());
     const Eigen::Map<const Eigen::MatrixXd> weight = matrix_of(packed.model->joint_weight, depth, 3);
@@ -87,14 +91,16 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
       const Eigen::Map<const Eigen::VectorXd> d_all(d.data(), depth);
       Eigen::Map<Eigen::VectorXd> f_all(f.data(), depth);
       double sums[5];
-      kernels_.sum_forces(d.data(), f.data(), packed.arms.data(), count, sums);
+      const double* const strained = strains.data() + segment.column * depth;
+      kernels_.sum_forces(strained, f.data(), packed.arms.data(), count, sums);
       const double strain = 0.5 * sums[0];
       energy += strain;
       elastic_energy_ += strain;
       energy_scale_ += d_all.squaredNorm();
       forces += sums[1];
       Vec3 torque = Vec3::Zero();  // of what hangs on the frame but is no joint force
-      bool loaded = false;
+      bool loaded = turned;
+      if (turned) batch.turns[0].turn_forces(segment.column, strained, f.data());
       if (!gravity.isZero(0)) {
         loaded = true;
         // -b . integral of x over the volume, b in the frame.
@@ -120,7 +126,7 @@ double PartGroup::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& gradient) 
         energy -= push.force.dot(segment.mean) + q.dot(at);
         torque += q.cross(at);
       }
-      // (J3), change of the frame with the points; loads have changed f.
+      // (J3), change of the frame with the points; turns and loads have changed f.
       if (loaded) kernels_.sum_forces(d.data(), f.data(), packed.arms.data(), count, sums);
       const Vec3 a = segment.stretch_inverse * (Eigen::Map<const Vec3>(sums + 2) - torque);
       kernels_.turn_forces(f.data(), a.data(), segment.rotation.data(), packed.arms.data(), count);

@@ -11,6 +11,7 @@
 #include "bone_energy.h"
 #include "placed_design.h"
 #include "product.h"
+#include "surface_turns.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::elastic {
 
@@ -70,6 +71,8 @@ class PartGroup {
   PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, int group,
             const std::vector<std::shared_ptr<const PackedModel>>& models);
 
+  // Whether from now on the strain of joining surfaces is measured by their rotation vectors, (J8).
+  void turn_surfaces(bool on);
   // Frames and displacements of the segments at `x`, without forces: all that the skin wants.
   void fit_all(const Eigen::VectorXd& x);
   // Energy (J), gradient (N) at `x`. Moves the segments' frames along.
@@ -93,9 +96,13 @@ class PartGroup {
   double force_scale() const { return force_scale_; }
   // A force that would strain all of the group by one (N).
   double stiffness_scale() const { return stiffness_scale_; }
-  // Local joint displacements of the last evaluate(), column by column of a model.
+  // Local joint displacements of the last evaluate(), column by column of a model; what their forces come from.
   const std::vector<double>& displacements(int model) const {
     return batches_[static_cast<std::size_t>(model)].displacements;
+  }
+  const std::vector<double>& strains(int model) const {
+    const Batch& batch = batches_[static_cast<std::size_t>(model)];
+    return batch.turns.empty() ? batch.displacements : batch.strains;
   }
 
   Eigen::Index points() const { return points_; }
@@ -133,6 +140,8 @@ class PartGroup {
     std::vector<int> segments;
     std::vector<double> displacements, forces;  // 3J x n, padded x n
     std::vector<double> probes;                 // 3J x n, of stiffness_product()
+    std::vector<SurfaceTurns> turns;            // one or none
+    std::vector<double> strains;                // 3J x n, with turns
   };
   void fit(Segment& segment, const Eigen::VectorXd& x, double* local);
   template <class Add>

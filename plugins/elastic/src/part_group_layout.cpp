@@ -152,4 +152,18 @@ PartGroup::PartGroup(const AssemblyDesign& design, const PlacedDesign& placed, i
   }
 }
 
+void PartGroup::turn_surfaces(bool on) {
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    Batch& batch = batches_[m];
+    if (on != batch.turns.empty() || batch.segments.empty()) continue;
+    if (!on) {
+      batch.turns.clear();
+      continue;
+    }
+    batch.turns.emplace_back(*models_[m]->model, models_[m]->arms,
+                             static_cast<Eigen::Index>(batch.segments.size()));
+    batch.strains.assign(batch.displacements.size(), 0.0);
+  }
+}
+
 }  // namespace softpoint::inline SOFTPOINT_ABI::elastic

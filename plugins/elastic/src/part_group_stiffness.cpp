@@ -48,6 +48,9 @@ void PartGroup::stiffness_product(const Eigen::VectorXd& displacement, Eigen::Ve
                              segment.stride[static_cast<std::size_t>(i)]);
         d.row(i) = r.transpose() * p;
       }
+      if (!batch.turns.empty()) {
+        batch.turns[0].turn_change(segment.column, batch.strains.data() + segment.column * depth, d.data());
+      }
     }
     packed.exact_stiffness.multiply(batch.probes.data(), static_cast<Eigen::Index>(batch.segments.size()),
                                     batch.forces.data(), scratch_.data());
@@ -57,6 +60,10 @@ void PartGroup::stiffness_product(const Eigen::VectorXd& displacement, Eigen::Ve
       const Mat3 r = segment.rotation;
       const Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3>> f(
           batch.forces.data() + segment.column * rows, count, 3);
+      if (!batch.turns.empty()) {
+        batch.turns[0].turn_forces(segment.column, batch.strains.data() + segment.column * depth,
+                                   batch.forces.data() + segment.column * rows);
+      }
       for (Eigen::Index i = 0; i < count; ++i) {
         const Vec3 p = r * f.row(i).transpose();
         const Eigen::Index at = segment.at[static_cast<std::size_t>(i)];

@@ -31,13 +31,17 @@ struct AssemblySettings {
   int ik_sweeps = 10;            // of cyclic coordinate descent, 0 to 1000
   bool single_precision = true;  // products in float, 1e-7 of the forces; everything else stays double
   InstructionSet max_instruction_set = InstructionSet::kAvx512;  // none beyond it is used
+  // Strain of joining surfaces by rotation vectors, and the bow of the middle line: parts that bend or twist
+  // far answer as shorter ones would. Twice the time of a solve.
+  bool surface_turns = false;
 
-  // Balance to 1e-10, products in double.
+  // Balance to 1e-10, products in double, turns of joining surfaces without limit.
   static AssemblySettings exact() {
     AssemblySettings s;
     s.tolerance = 5e-11;
     s.max_iterations = 1000;
     s.single_precision = false;
+    s.surface_turns = true;
     return s;
   }
   // At most so many iterations, whatever is left over.
