@@ -80,7 +80,7 @@ function(softpoint_compile_settings target)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
     UNITY_BUILD ${SOFTPOINT_UNITY}
-    UNITY_BUILD_BATCH_SIZE 12
+    UNITY_BUILD_BATCH_SIZE ${SOFTPOINT_UNITY_BATCH}
     CXX_VISIBILITY_PRESET ${visibility}
     VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
