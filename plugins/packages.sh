@@ -11,7 +11,7 @@ softpoint_required=(
 )
 softpoint_required_for_tests=(libgtest-dev)
 # Packages that only add something.
-softpoint_optional=(ffmpeg libegl-dev libegl-mesa0 libgl1-mesa-dri)
+softpoint_optional=(liburdfdom-dev ffmpeg libegl-dev libegl-mesa0 libgl1-mesa-dri)
 softpoint_optional_for_full_tests=(doxygen clang libclang-rt-14-dev libxsmm-dev)
 
 say() { printf '%s\n' "softpoint: $*"; }

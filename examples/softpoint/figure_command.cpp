@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -14,6 +15,8 @@
 #include "softpoint/core/atomic_file.h"
 #include "softpoint/core/error.h"
 #include "softpoint/figure/amdl.h"
+#include "softpoint/figure/bvh.h"
+#include "softpoint/figure/urdf.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
@@ -31,7 +34,7 @@ constexpr LimitMode kLimitModes[] = {LimitMode::kNone, LimitMode::kPaper, LimitM
 constexpr long long kMaxSteps = 1'000'000'000, kMaxRows = 10'000'000;
 
 struct FigureOptions {
-  std::string model, state, dynamic, prescribe, trace;
+  std::string model, base, state, dynamic, prescribe, trace, bvh;
   double time = 0, step = 0;
   std::string integrator = "rk4", limits = "none";
   std::vector<double> gravity = {0, 0, -9.81};
@@ -64,7 +67,7 @@ std::unique_ptr<bool[]> chosen_joints(const FigureOptions& options, const Figure
   if (all) {
     throw Error(
         fmt::format("--dynamic all: '{}' is in the file of --prescribe; permitted are the other joints",
-                    model.links()[static_cast<std::size_t>(prescribed[0])].name));
+                    model.joint_name(prescribed[0])));
   }
   if (options.dynamic == "none") return flags;
   std::size_t begin = 0;
@@ -90,7 +93,7 @@ void hold_others(const FigureModel& model, const bool* dynamic, FigureState& sta
     double* rates = state.qd.data() + model.velocity_offset(i);
     const int count = velocity_count(link.joint);
     if (std::any_of(rates, rates + count, [](double rate) { return rate != 0; })) {
-      fmt::print(stderr, "joint '{}' is held: its velocity in the state is not used\n", link.name);
+      fmt::print(stderr, "joint '{}' is held: its velocity in the state is not used\n", model.joint_name(i));
     }
     std::fill_n(rates, count, 0.0);
   }
@@ -117,6 +120,22 @@ Course course_of(const FigureOptions& options) {
                             course.steps / options.every, kMaxRows));
   }
   return course;
+}
+
+FigureModel model_of(const FigureOptions& options) {
+  const std::string extension = std::filesystem::path(options.model).extension();
+  const bool urdf = extension == ".urdf";
+  if (!urdf && !options.base.empty()) {
+    throw Error(fmt::format("--base {}: {} says itself how it stands; permitted with a .urdf", options.base,
+                            options.model));
+  }
+  if (urdf) {
+    return figure::read_urdf_file(options.model, options.base == "free"    ? figure::UrdfBase::kFree
+                                                 : options.base == "fixed" ? figure::UrdfBase::kFixed
+                                                                           : figure::UrdfBase::kAuto);
+  }
+  if (extension == ".bvh") return figure::bvh_figure(figure::read_bvh_file(options.model));
+  return figure::read_amdl_file(options.model);
 }
 
 std::optional<FigurePrescription> prescription_of(const FigureOptions& options, const FigureModel& model) {
@@ -162,9 +181,11 @@ void report(const FigureOptions& options, FigureStepper& stepper, long long step
 }
 
 int run_figure(const FigureOptions& options) {
-  check_writable(options.trace);
+  for (const std::string& file : {options.trace, options.bvh}) {
+    if (!file.empty()) check_writable(file);
+  }
   const Course course = course_of(options);
-  const FigureModel model = figure::read_amdl_file(options.model);
+  const FigureModel model = model_of(options);
   const std::optional<FigurePrescription> motion = prescription_of(options, model);
   const auto dynamic = chosen_joints(options, model, motion ? motion->links() : std::vector<int>());
 
@@ -176,7 +197,13 @@ int run_figure(const FigureOptions& options) {
   stepper.set_limits(named(kLimitModes, options.limits));
 
   FigureTrace trace(model);
-  trace.add(0, stepper);
+  figure::BvhRecorder clip(
+      model, std::min(1000.0, std::max(1e-6, options.step * static_cast<double>(options.every))));
+  const auto record = [&](double t) {
+    trace.add(t, stepper);
+    if (!options.bvh.empty()) clip.add(stepper.state().q.data());
+  };
+  record(0);
   const double energy = stepper.energy();
   double time = 0;
   for (long long i = 1; i <= course.steps; ++i) {
@@ -190,9 +217,10 @@ int run_figure(const FigureOptions& options) {
     }
     time = last ? options.time : static_cast<double>(i) * options.step;
     stepper.set_time(time);  // no sum of roundings
-    if (i % options.every == 0 || last) trace.add(time, stepper);
+    if (i % options.every == 0 || last) record(time);
   }
   write_atomically(options.trace, trace.csv());
+  if (!options.bvh.empty()) write_atomically(options.bvh, figure::bvh_text(clip.clip()));
   report(options, stepper, course.steps, energy);
   return kExitDone;
 }
@@ -202,7 +230,9 @@ int run_figure(const FigureOptions& options) {
 Command add_figure_command(CLI::App& program) {
   auto options = std::make_shared<FigureOptions>();
   CLI::App* app = program.add_subcommand("figure", "Integrate one articulated figure, without a scene");
-  app->add_option("MODEL", options->model, "Figure (.amdl)")->required();
+  app->add_option("MODEL", options->model, "Figure (.amdl, .urdf; .bvh: a skeleton)")->required();
+  app->add_option("--base", options->base, "Root of a .urdf; if absent free if it has a mass")
+      ->check(CLI::IsMember({"free", "fixed"}));
   app->add_option("--state", options->state, "Start (JSON); at rest if absent");
   app->add_option("--dynamic", options->dynamic,
                   "Joints left to dynamics: JOINT,... or all or none; if absent all but the prescribed ones");
@@ -217,6 +247,8 @@ Command add_figure_command(CLI::App& program) {
       ->delimiter(',')
       ->expected(3);
   app->add_option("--trace", options->trace, "Motion (CSV)")->required();
+  app->add_option("--bvh", options->bvh,
+                  "The rows of the trace as a motion too, for animation programs (BVH)");
   app->add_option("--every", options->every, "Steps a row of the trace")
       ->check(CLI::Range(1LL, 1'000'000'000LL));
   return {app, [options] { return run_figure(*options); }};

@@ -14,8 +14,8 @@ int find_joint(const FigureModel& model, const std::string& name, const std::str
   for (int i = 0; i < model.link_count(); ++i) {
     const figure::Link& link = model.links()[static_cast<std::size_t>(i)];
     if (link.joint == JointKind::kFixed) continue;
-    if (link.name == name) return i;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", link.name);
+    if (model.joint_name(i) == name) return i;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", model.joint_name(i));
   }
   throw Error(fmt::format("{} '{}': no joint has that name; permitted are {}", where, name, names));
 }

@@ -28,7 +28,7 @@ int joint_of(const figure::FigureModel& model, const std::string& column, const 
     for (int i = 0; i < model.link_count(); ++i) {
       const figure::Link& link = model.links()[static_cast<std::size_t>(i)];
       if ((link.joint == JointKind::kBall || link.joint == JointKind::kFree) &&
-          link.name == column.substr(0, dot)) {
+          model.joint_name(i) == column.substr(0, dot)) {
         return i;
       }
     }
@@ -55,27 +55,28 @@ FigurePrescription::FigurePrescription(std::string_view text, const std::string&
     for (std::size_t i = 0; i < joints; ++i) {
       if (used[i] == 0) continue;
       const figure::Link& link = model.links()[i];
+      const std::string& joint = model.joint_name(static_cast<int>(i));
       const int q = model.position_offset(static_cast<int>(i)),
                 v = model.velocity_offset(static_cast<int>(i));
       std::size_t wanted = 1;
       if (link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic) {
-        lines_.push_back({q, v, CubicSpline(times, table.column(link.name))});
+        lines_.push_back({q, v, CubicSpline(times, table.column(joint))});
       } else {
         const bool free = link.joint == JointKind::kFree;
         wanted = free ? 7 : 4;
         std::vector<std::array<double, 4>> turns(times.size());
         for (std::size_t k = 0; k < 4; ++k) {
-          const std::vector<double> numbers = table.column(link.name + kTurnFields[k]);
+          const std::vector<double> numbers = table.column(joint + kTurnFields[k]);
           for (std::size_t row = 0; row < numbers.size(); ++row) turns[row][k] = numbers[row];
         }
         turns_.push_back({free ? q + 3 : q, v, free, TurnSpline(times, std::move(turns))});
         for (int k = 0; k < 3 && free; ++k) {
-          lines_.push_back({q + k, v + 3 + k, CubicSpline(times, table.column(link.name + kPlaceFields[k]))});
+          lines_.push_back({q + k, v + 3 + k, CubicSpline(times, table.column(joint + kPlaceFields[k]))});
         }
       }
       if (used[i] != wanted) {
-        throw Error(fmt::format("joint '{}' ({}) has {} columns; permitted are {}", link.name,
-                                name(link.joint), used[i], wanted));
+        throw Error(fmt::format("joint '{}' ({}) has {} columns; permitted are {}", joint, name(link.joint),
+                                used[i], wanted));
       }
       links_.push_back(static_cast<int>(i));
     }

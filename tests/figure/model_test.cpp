@@ -38,6 +38,7 @@ TEST(FigureModel, EveryFieldIsCheckedByName) {
     refuse("inertia", [&](Link& l) { l.inertia(2, 2) = bad; });
     refuse("armature", [&](Link& l) { l.armature = bad; });
     refuse("damping", [&](Link& l) { l.damping = bad; });
+    refuse("friction", [&](Link& l) { l.friction = bad; });
     refuse("lower", [&](Link& l) { l.lower = bad; });
     refuse("upper", [&](Link& l) { l.upper = bad; });
   }

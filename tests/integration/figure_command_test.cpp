@@ -7,6 +7,7 @@
 
 #include "csv_table.h"
 #include "play_fixture.h"
+#include "softpoint/figure/urdf.h"
 
 namespace softpoint::scene {
 namespace {
@@ -218,6 +219,46 @@ TEST_F(FigureCommand, HeldJointsStandAndShortStepsEndOnTime) {
                    " --gravity 0,0,0 --dynamic none --time 0 --step 0.1 --trace none.csv"),
             0);
   EXPECT_EQ(trace("none.csv").rows(), 1u);
+}
+
+// A skeleton as model, its motion written as one, which is a model again.
+TEST_F(FigureCommand, ReadsAndWritesSkeletons) {
+  put("stick.bvh",
+      "HIERARCHY ROOT hip { OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation "
+      "JOINT knee { OFFSET 0 0 -0.5 CHANNELS 3 Zrotation Xrotation Yrotation End Site { OFFSET 0 0 -0.4 } } "
+      "} "
+      "MOTION Frames: 0 Frame Time: 0.1");
+  put("start.json", R"({"base": {"position": [0, 0, 2], "velocity": [1, 0, 0]}, "qd": [[0, 3, 0]]})");
+  ASSERT_EQ(
+      figure("stick.bvh --state start.json --time 0.5 --step 0.01 --every 5 --trace trace.csv --bvh out.bvh"),
+      0)
+      << text("stderr");
+  EXPECT_EQ(trace().rows(), 11u);
+  EXPECT_NE(text("out.bvh").find("Frames: 11\nFrame Time: 0.05\n"), std::string::npos);
+  ASSERT_EQ(figure("out.bvh --time 0.1 --step 0.1 --trace again.csv"), 0) << text("stderr");
+  EXPECT_EQ(trace("again.csv").columns(), trace().columns());
+}
+
+TEST_F(FigureCommand, RobotsStandOrFallAsTheyAreTold) {
+  put("box.urdf",
+      "<robot name='box'><link name='body'><inertial><mass value='2'/><inertia ixx='1' ixy='0' ixz='0' "
+      "iyy='1' "
+      "iyz='0' izz='1'/></inertial></link><link name='arm'><inertial><origin xyz='0 0 -0.5'/><mass "
+      "value='1'/>"
+      "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link><joint name='shoulder' "
+      "type='continuous'><parent link='body'/><child link='arm'/><axis xyz='0 1 0'/></joint></robot>");
+  const std::string run_it = "box.urdf --time 1 --step 0.01 --trace trace.csv ";
+  if (!softpoint::figure::has_urdf()) {
+    refused(run_it, {"without liburdfdom"});
+    return;
+  }
+  ASSERT_EQ(figure(run_it), 0) << text("stderr");  // it has a mass: it falls
+  EXPECT_NEAR(trace().column("pz").back(), -0.5 * 9.81, 1e-9);
+  ASSERT_EQ(figure(run_it + "--base fixed --dynamic shoulder"), 0) << text("stderr");
+  EXPECT_EQ(trace().columns().size(), 4u);
+  refused(run_it + "--dynamic arm", {"--dynamic 'arm'", "shoulder"});
+  refused(reference("pend2.amdl") + " --base free --time 1 --step 0.1 --trace trace.csv", {"--base free"});
 }
 
 TEST_F(FigureCommand, RefusesInOneLine) {

@@ -65,45 +65,25 @@ void FigureDynamics::forward(const double* q, const double* qd, const double* ta
   m.counts.placed += static_cast<long long>(m.plan.placed.size());
   m.counts.articulated += static_cast<long long>(m.plan.articulated.size());
   m.set_world();
-  for (int i : m.plan.placed) {
-    const TreeBody& body = m.tree.bodies[static_cast<std::size_t>(i)];
-    BodyWork<double>& work = m.work[static_cast<std::size_t>(i)];
-    place_body(body, m.parent_of(body), q, qd, work);
-    if (!m.plan.dynamic[static_cast<std::size_t>(i)]) accelerate(body, work, qdd, work.drift);
-    if (m.plan.bears[static_cast<std::size_t>(i)]) {
-      weigh(body, work);
-      if (m.plan.dynamic[static_cast<std::size_t>(i)]) {
-        for (int k = body.v; k < body.v + velocity_count(body.joint); ++k) {
-          m.torque[static_cast<std::size_t>(k)] = (tau == nullptr ? 0.0 : tau[k]) - body.damping * qd[k];
-        }
-      }
-    } else {
-      work.acceleration = carried(m.acceleration_of(body.parent), work);
-    }
-  }
+  const ForwardWalk walk{m.tree.bodies.data(),
+                         m.plan.placed.data(),
+                         static_cast<int>(m.plan.placed.size()),
+                         m.plan.articulated.data(),
+                         static_cast<int>(m.plan.articulated.size()),
+                         m.plan.dynamic.data(),
+                         m.plan.bears.data(),
+                         &m.world.acceleration,
+                         m.implicit_time,
+                         q,
+                         qd,
+                         tau,
+                         m.torque.data(),
+                         qdd,
+                         m.work.data(),
+                         m.balls.data()};
+  m.walker.place(walk);
   m.bear(loads);
-  for (auto it = m.plan.articulated.rbegin(); it != m.plan.articulated.rend(); ++it) {
-    const TreeBody& body = m.tree.bodies[static_cast<std::size_t>(*it)];
-    BodyWork<double>& work = m.work[static_cast<std::size_t>(*it)];
-    const bool topmost = body.parent < 0 || !m.plan.bears[static_cast<std::size_t>(body.parent)];
-    if (m.plan.dynamic[static_cast<std::size_t>(*it)]) {
-      yield(body, body.armature + m.implicit_time * body.damping, m.torque.data(), work,
-            m.balls[static_cast<std::size_t>(body.ball)]);
-    } else {
-      carry(work);
-    }
-    if (!topmost) lean(work, m.work[static_cast<std::size_t>(body.parent)]);
-  }
-  for (int i : m.plan.articulated) {
-    const TreeBody& body = m.tree.bodies[static_cast<std::size_t>(i)];
-    BodyWork<double>& work = m.work[static_cast<std::size_t>(i)];
-    if (m.plan.dynamic[static_cast<std::size_t>(i)]) {
-      answer(body, m.acceleration_of(body.parent), m.world, work,
-             m.balls[static_cast<std::size_t>(body.ball)], qdd);
-    } else {
-      work.acceleration = carried(m.acceleration_of(body.parent), work);
-    }
-  }
+  m.walker.solve(walk);
 }
 
 void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "forward_walk.h"
 #include "lane_convert.h"
 #include "response-inl.h"
+#include "softpoint/core/instruction_set.h"
 #include "softpoint/figure/figure_dynamics.h"
 #include "walk_plan.h"
 
@@ -60,6 +62,8 @@ struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
   Vec3 base_acceleration = Vec3::Zero();
   double implicit_time = 0;
   WorldFrame<double> world{};
+  ForwardWalker walker =
+      best_instruction_set() == InstructionSet::kBaseline ? forward_walker_baseline() : forward_walker_avx2();
   std::vector<BodyWork<double>> work;
   std::vector<BallWork<double>> balls;
   std::vector<double> torque, zero, unit;

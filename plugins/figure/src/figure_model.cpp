@@ -65,6 +65,11 @@ void check_link(const Link& link, int index) {
   }
   check_range(field_of(link, index, "armature"), link.armature, 0, kMaxLinkInertia);
   check_range(field_of(link, index, "damping"), link.damping, 0, 1e15);
+  check_range(field_of(link, index, "friction"), link.friction, 0, 1e15);
+  if (link.friction > 0 && link.joint != JointKind::kHinge && link.joint != JointKind::kPrismatic) {
+    throw Error(field_of(link, index, "friction") + " = " + to_text(link.friction) + " of a " +
+                name(link.joint) + " joint; permitted is 0 but for hinge and prismatic joints");
+  }
   check_range(field_of(link, index, "lower"), link.lower, -1e9, 1e9);
   check_range(field_of(link, index, "upper"), link.upper, link.lower, 1e9);
   check_inertia(link, index);
@@ -143,6 +148,12 @@ int FigureModel::find(const std::string& name) const {
     if (links_[static_cast<std::size_t>(i)].name == name) return i;
   }
   return -1;
+}
+
+const std::string& FigureModel::joint_name(int link) const {
+  check_index("link", link, link_count());
+  const Link& of = links_[static_cast<std::size_t>(link)];
+  return of.joint_name.empty() ? of.name : of.joint_name;
 }
 
 double FigureModel::total_mass() const {

@@ -15,10 +15,10 @@ PrescribedMotion::~PrescribedMotion() = default;
 FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrator how)
     : dynamics(model), integrator(how), state(std::move(start)) {
   check_state(model, state);
-  next = stage = begin = whole = state;
+  next = stage = begin = whole = before_friction = state;
   const auto n = static_cast<std::size_t>(model.velocity_count());
   const auto links = static_cast<std::size_t>(model.link_count());
-  for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction, &change})
+  for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction, &change, &dry_torque})
     v->resize(n);
   for (int i = 0; i < 6; ++i) {
     rates[i].resize(n);
@@ -34,10 +34,17 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
     if (has_range && (link.lower > -1e9 || link.upper < 1e9)) {
       limited.push_back({i, model.position_offset(i), model.velocity_offset(i), link.lower, link.upper});
     }
+    if (has_range && link.friction > 0) {
+      const bool ranged = !limited.empty() && limited.back().link == i;
+      dry.push_back({i, static_cast<std::size_t>(model.velocity_offset(i)),
+                     ranged ? static_cast<int>(limited.size()) - 1 : -1, link.friction});
+    }
   }
   stops.assign(limited.size(), Stop::kFree);
   candidates = leaning = stops;
   grazing.assign(limited.size(), 0);
+  slides.assign(dry.size(), 0);
+  held.assign(dry.size(), 0);
   if (integrator == Integrator::kVariational) {
     variational = std::make_unique<VariationalStep>(model);
     accelerator = std::make_unique<Anderson>(n);
@@ -50,6 +57,9 @@ void FigureStepper::Impl::set_joints() {
   for (std::size_t i = 0; i < links; ++i) joints[i] = chosen[i] != 0;
   for (std::size_t i = 0; i < limited.size(); ++i) {
     if (stops[i] != Stop::kFree) joints[static_cast<std::size_t>(limited[i].link)] = false;
+  }
+  for (std::size_t i = 0; i < dry.size(); ++i) {
+    if (held[i]) joints[static_cast<std::size_t>(dry[i].link)] = false;
   }
   standing.clear();
   for (std::size_t i = 0; i < links; ++i) {
@@ -111,7 +121,9 @@ void FigureStepper::Impl::advance_by_stages(double dt) {
 // Equations (5) and (6) of the paper.
 void FigureStepper::Impl::advance_as_paper(double dt) {
   if (!standing.empty()) prescribe(time, state, acceleration);
+  dynamics.set_implicit_time(dt);
   dynamics.forward(state.q.data(), state.qd.data(), nullptr, acceleration.data());
+  dynamics.set_implicit_time(0);
   for (std::size_t k = 0; k < state.qd.size(); ++k) {
     next.qd[k] = (state.qd[k] + dt * acceleration[k]) * std::exp(dt * friction[k]);
     increment[k] = dt * next.qd[k];
@@ -129,6 +141,10 @@ bool FigureStepper::step(double dt) {
   Impl& m = *impl_;
   m.events.clear();
   const double end = m.time + dt;
+  if (!m.dry.empty()) {
+    m.begin_with_friction(dt);
+    m.hold_at_rest();
+  }
   if (m.limits == LimitMode::kExact) {
     m.step_with_stops(dt);
   } else if (m.limits == LimitMode::kPaper) {
@@ -137,7 +153,9 @@ bool FigureStepper::step(double dt) {
     m.advance(dt);
   }
   m.time = end;
-  if (!m.finite()) {
+  const bool good = m.finite();
+  if (!m.dry.empty()) m.end_with_friction(dt, good);
+  if (!good) {
     ++m.guard_fired;
     return false;
   }

@@ -37,6 +37,22 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   void keep_inside();
   void note(double at, int joint, bool impact);
 
+  // Dry friction.
+  struct Dry {
+    int link;
+    std::size_t v;
+    int limited;   // which of the joints with a range; -1: none
+    double limit;  // N m (N)
+    bool stopped(const std::vector<Stop>& stops) const {
+      return limited >= 0 && stops[static_cast<std::size_t>(limited)] != Stop::kFree;
+    }
+  };
+  bool stands(const Dry& joint) const;       // prescribed, or against a stop
+  void rub(double length, FigureState& at);  // impulses of so many seconds
+  void hold_at_rest();                       // what sticks stands through the step
+  void begin_with_friction(double dt);       // the first half of its impulses
+  void end_with_friction(double dt, bool good);
+
   // Limits, the paper's.
   void step_as_paper_with_limits(double dt);
 
@@ -50,7 +66,7 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   FigureDynamics dynamics;
   Integrator integrator;
   LimitMode limits = LimitMode::kNone;
-  FigureState state, next, stage, begin, whole;
+  FigureState state, next, stage, begin, whole, before_friction;
   const PrescribedMotion* motion = nullptr;
   double time = 0;
   long long guard_fired = 0;
@@ -59,14 +75,18 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   std::unique_ptr<Anderson> accelerator;
   std::vector<double> rates[6], accelerations[6];
 
-  std::vector<char> chosen;        // per link: dynamic if nothing stops it
-  std::unique_ptr<bool[]> joints;  // per link, as told to the dynamics
-  std::vector<int> standing;       // links that are not dynamic
-  std::vector<Limited> limited;    // joints with a range
-  std::vector<Stop> stops;         // per limited joint: leaning on it
-  std::vector<Stop> candidates;    // the side that is looked at
-  std::vector<Stop> leaning;       // before it is found out anew
-  std::vector<char> grazing;       // met no stop after all, in this part of the step
+  std::vector<char> chosen;         // per link: dynamic if nothing stops it
+  std::unique_ptr<bool[]> joints;   // per link, as told to the dynamics
+  std::vector<int> standing;        // links that are not dynamic
+  std::vector<Limited> limited;     // joints with a range
+  std::vector<Dry> dry;             // joints with dry friction
+  std::vector<signed char> slides;  // per dry joint: the sign of its sliding, 0 for one that sticks
+  std::vector<char> held;           // per dry joint: stands by its friction
+  std::vector<double> dry_torque;
+  std::vector<Stop> stops;       // per limited joint: leaning on it
+  std::vector<Stop> candidates;  // the side that is looked at
+  std::vector<Stop> leaning;     // before it is found out anew
+  std::vector<char> grazing;     // met no stop after all, in this part of the step
   std::vector<LimitEvent> events;
   LimitCounts counts;
   int blows = 0;                 // impacts and releases of this step

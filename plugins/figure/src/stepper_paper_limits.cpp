@@ -46,9 +46,9 @@ void FigureStepper::Impl::step_as_paper_with_limits(double dt) {
     }
   }
   counts.unfinished += !finished;
-  bool held = false;
-  for (const Stop stop : stops) held = held || stop != Stop::kFree;
-  if (!held) return;
+  bool stopped = false;
+  for (const Stop stop : stops) stopped = stopped || stop != Stop::kFree;
+  if (!stopped) return;
   dynamics.inverse(stage.q.data(), stage.qd.data(), acceleration.data(), torque.data());
   for (std::size_t i = 0; i < limited.size(); ++i) {
     if (stops[i] == Stop::kFree) continue;

@@ -41,6 +41,7 @@ void FigureStepper::set_dynamic(std::span<const bool> links) {
   for (std::size_t i = 0; i < m.limited.size(); ++i) {
     if (!links[static_cast<std::size_t>(m.limited[i].link)]) m.stops[i] = Stop::kFree;
   }
+  std::fill(m.held.begin(), m.held.end(), 0);
   m.set_joints();
 }
 

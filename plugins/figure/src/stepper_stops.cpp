@@ -90,6 +90,7 @@ void FigureStepper::Impl::meet_stops(double at) {
       stops[i] = candidates[i];
     }
   }
+  std::fill(held.begin(), held.end(), 0);  // no friction holds against a blow
   const Vec3 gravity = dynamics.gravity(), base = dynamics.base_acceleration();
   dynamics.set_gravity(Vec3::Zero());
   dynamics.set_base_acceleration(Vec3::Zero());

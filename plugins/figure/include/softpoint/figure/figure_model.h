@@ -27,6 +27,8 @@ struct Link {
   double lower = -1e9, upper = 1e9;  // rad or m, of a hinge or prismatic joint
   double armature = 0;               // kg m2 (kg): inertia of the joint itself, added to the diagonal
   double damping = 0;                // N m s (N s/m): viscous friction
+  double friction = 0;               // N m (N), of a hinge or prismatic joint: dry friction
+  std::string joint_name;            // empty: the joint is called like the link
 };
 
 // A solid circular cylinder along z of the link's frame from 0 to `length` (m): the links of the keyframe
@@ -49,6 +51,7 @@ class SOFTPOINT_API FigureModel {
   int velocity_offset(int link) const { return velocity_offsets_[static_cast<std::size_t>(link)]; }
   // Index of the link of that name; -1 if there is none.
   int find(const std::string& name) const;
+  const std::string& joint_name(int link) const;
   double total_mass() const;  // kg
 
  private:

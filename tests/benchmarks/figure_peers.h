@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "softpoint/figure/figure_model.h"
+
+namespace softpoint::benchmarks {
+
+// The same figure in another engine: one call is one forward dynamics in a state that stays as it is.
+class FigurePeer {
+ public:
+  virtual ~FigurePeer() = default;
+  virtual std::string name() const = 0;
+  virtual void forward() = 0;
+  virtual double largest_acceleration() = 0;  // so that nothing is left out
+};
+
+// Hinges and one free joint only. Inertias by their diagonal, links without mass of a microgram: what it can
+// represent; the time is the same.
+std::unique_ptr<FigurePeer> multibody_peer(const figure::FigureModel& model,
+                                           const figure::FigureState& state);
+// Null if the program was built without it. crb, factor, rne and the solution with them.
+std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state);
+
+}  // namespace softpoint::benchmarks
