@@ -89,7 +89,10 @@ std::vector<Contestant> assembly_contestants() {
                         return std::make_unique<AssemblyBar>(task, settings);
                       }});
   };
-  add("softpoint", "exact", AssemblySettings::exact());
+  AssemblySettings balance = AssemblySettings::exact();
+  balance.surface_turns = false;
+  add("softpoint", "balance 1e-10", balance);
+  add("softpoint, surfaces turned", "exact", AssemblySettings::exact());
   for (int n : {0, 1, 2, 4, 8, 16}) {
     add("softpoint", std::to_string(n) + " iterations", AssemblySettings::budget(n));
   }
@@ -102,6 +105,8 @@ std::vector<Contestant> assembly_contestants() {
       s.single_precision = single;
       s.max_iterations = value < 1e-3 ? 100 : AssemblySettings{}.max_iterations;
       add("softpoint", std::string("tolerance ") + text + (single ? "" : ", double"), s);
+      s.surface_turns = true;
+      if (single) add("softpoint, surfaces turned", std::string("tolerance ") + text, s);
     }
   }
   for (int n : {10, 100, 1000, 10000}) {

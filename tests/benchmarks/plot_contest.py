@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 
 STYLE = {
     "softpoint": ("#c1121f", "o", "-"),
+    "softpoint, surfaces turned": ("#7a0010", "*", "--"),
     "softpoint, (4)": ("#e08a00", "s", ":"),
     "the paper": ("#3a7d44", "^", ""),
     "btSoftBody": ("#7b2d8b", "v", ""),
@@ -19,7 +20,8 @@ STYLE = {
 TITLE = {"stretch": "stretched by 10 %", "bend": "bent by {angle:.0f}°", "twist": "twisted by {angle:.0f}°",
          "push": "pushed by half their length"}
 # Which point bears the name (from the fastest), how far from it in points.
-LABEL = {"softpoint": (-1, (0, -14), "right"), "softpoint, (4)": (-1, (4, -16), "right"),
+LABEL = {"softpoint": (-1, (6, 6), "left"), "softpoint, surfaces turned": (-1, (6, -12), "left"),
+         "softpoint, (4)": (-1, (4, -16), "right"),
          "the paper": (0, (-4, 7), "left"), "btSoftBody": (-1, (6, 8), "right"),
          "btDeformable": (-1, (6, 7), "right")}
 MEASURES = (("end_error", "error of the end's force or moment\n(push: of the tip, in parts of the length), %"),
