@@ -46,8 +46,7 @@ json played_cloth(const json& document) {
   return json::parse(metrics.json()).at("cloths").at(0);
 }
 
-// Set aside: the bubble of this small sheet ends at -9 Pa, not at the gauge of the cloth's weight.
-TEST(ClothScene, DISABLED_WetSheetKeepsItsBubble) {
+TEST(ClothScene, WetSheetKeepsItsBubble) {
   const json cloth = played_cloth(wet_sheet());
   EXPECT_EQ(cloth["name"], "sheet");
   EXPECT_EQ(cloth["points"], 400);
@@ -74,7 +73,7 @@ TEST(ClothScene, DrySheetPaysNothingForAirAndCollapses) {
   EXPECT_LT(cloth["highest"]["end"].get<double>(), 0.018);
 }
 
-// Set aside: the sheet falls apart into up to seven bubbles.
+// Set aside: one bubble throughout, but in the one frame in which the rim comes to touch there are six.
 TEST(ClothScene, DISABLED_TheSwitchOfTheAirLetsItGo) {
   json document = wet_sheet();
   document["events"] = json::parse(R"([

@@ -205,8 +205,9 @@ void SweepStepper<T>::solve_gauge(std::size_t i, const PocketSums& sums) {
   gauges_[i] = std::min(std::max({q, pocket.min_pressure - pocket.ambient, -pocket.max_suction}), most);
 }
 
-// -K ln V + p_a V, straight where the pressure is at its least or at its most, so that it is bounded from
-// below: a volume far below zero is no way to lose energy. J.
+// p_a (V - V0) - K ln(V/V0) with V0 = K/p_a, where it is zero: the guard allows for rounding by the size of
+// the energy, and K is a million times what moves the cloth. Straight where the pressure is at its least or
+// at its most, so that it is bounded from below: a volume far below zero is no way to lose energy. J.
 template <class T>
 double SweepStepper<T>::air_energy() const {
   double energy = 0;
@@ -222,8 +223,9 @@ double SweepStepper<T>::air_energy() const {
     const double thin = least > 0 ? pocket.air / least : HUGE_VAL;  // from this volume on
     const double most = std::max(pocket.ambient + most_gauge(pocket), 1e-30);
     const double full = std::min(pocket.air / most, thin);  // up to this volume
-    const double at = std::clamp(v, full, thin);
-    energy += pocket.ambient * v - pocket.air * std::log(at * std::max(pocket.ambient, 1e-30) / pocket.air);
+    const double rest = pocket.air / std::max(pocket.ambient, 1e-30);
+    const double at = std::clamp(v, full, thin), more = (at - rest) / rest;
+    energy += pocket.ambient * (v - at) + pocket.air * (more - std::log1p(more));
     if (v > thin) energy -= least * (v - thin);
     if (v < full) energy += most * (full - v);
   }
