@@ -1,9 +1,17 @@
 // Cloth as a body of a Bullet world: contact, hands, sleep, snapshots, refusals.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <cstdio>
 #include <limits>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "cloth_scene.h"
+#include "support/precision.h"
 #include "support/refusal.h"
 
 namespace softpoint::cloth {
@@ -55,6 +63,54 @@ TEST(ClothBody, HandsHoldDragReleaseAndAreRead) {
   scene.world.step(20);
   EXPECT_GT((scene.cloth.points()[other] - b - Vec3(0, 0.15, 0)).norm(), 0.01);  // it is free
   EXPECT_LT((scene.cloth.points()[corner] - a).norm(), 1e-6);
+}
+
+// What a bubble's volume changes by when the cloth rises over its feet, which stand under `before`, m2: the
+// area that the faces cover, and that of the bilinear patches down to the feet, weighted by how much of the
+// way they go.
+double lifted_area(const Cloth& cloth, std::span<const Vec3> before) {
+  const auto points = cloth.points();
+  std::set<std::pair<int, int>> sides;
+  double area = 0;
+  for (const auto& [a, b, c] : cloth.faces()) {
+    area += (points[b] - points[a]).cross(points[c] - points[a]).y() / 2;
+    for (const auto& side : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) sides.insert(side);
+  }
+  for (const auto& [a, b] : sides) {
+    if (sides.contains({b, a})) continue;
+    const Vec3 edge = points[a] - points[b], foot = before[a] - before[b];
+    const Vec3 down = (before[a] - points[a] + before[b] - points[b]) / 2;
+    area += (edge / 3 + foot / 6).cross(down).y();
+  }
+  return area;
+}
+
+// The thesis' one bubble under a lifted sheet: what the floor gets of the suction is the opposite of what the
+// cloth gets, its gauge pressure times the change of its volume.
+TEST(ClothBody, SuctionOnTheFloorIsOppositeToThatOnTheCloth) {
+  ClothDesign design = sheet();
+  design.saturation.assign(design.pattern.points.size(), 1.0);
+  design.air = thesis_air(1e-4);
+  OverFloor scene(design);
+  const int middle = 7 * 15 + 7;
+  const Vec3 start = scene.cloth.points()[middle];
+  const HandleId hand = scene.system.grab(scene.cloth, middle, start, 30.0);
+  double largest = 0, worst = 0;
+  for (int i = 1; i <= 40; ++i) {
+    const std::vector<Vec3> before(scene.cloth.points().begin(), scene.cloth.points().end());
+    scene.system.move(hand, start + Vec3(0, 0.001 * i, 0));
+    scene.world.step();
+    ASSERT_EQ(scene.cloth.bubbles().size(), 1u);
+    ASSERT_EQ(scene.system.contacts().size(), 1u);
+    const double gauge = scene.cloth.bubbles()[0].pressure - scene.cloth.air().ambient;
+    const double on_cloth = gauge * lifted_area(scene.cloth, before);
+    const double on_floor = -(scene.system.contacts()[0].force - sum(scene.cloth.contact_forces())).y();
+    largest = std::max(largest, std::abs(on_cloth));
+    worst = std::max(worst, std::abs(on_floor + on_cloth));
+  }
+  std::printf("    suction to %.0f N, differs by %.1e N\n", largest, worst);
+  EXPECT_GT(largest, 1.0);
+  EXPECT_LT(worst, by_precision(1e-9, 1e-4) * largest);
 }
 
 TEST(ClothBody, SleepsCostsNothingAndWakes) {
