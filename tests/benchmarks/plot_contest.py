@@ -20,7 +20,7 @@ STYLE = {
 TITLE = {"stretch": "stretched by 10 %", "bend": "bent by {angle:.0f}°", "twist": "twisted by {angle:.0f}°",
          "push": "pushed by half their length"}
 # Which point bears the name (from the fastest), how far from it in points.
-LABEL = {"softpoint": (-1, (6, 6), "left"), "softpoint, surfaces turned": (-1, (6, -12), "left"),
+LABEL = {"softpoint": (-1, (6, 6), "left"), "softpoint, surfaces turned": (0, (0, -14), "left"),
          "softpoint, (4)": (-1, (4, -16), "right"),
          "the paper": (0, (-4, 7), "left"), "btSoftBody": (-1, (6, 8), "right"),
          "btDeformable": (-1, (6, 7), "right")}
@@ -58,7 +58,7 @@ def draw(axis, rows, key):
         if method == "softpoint":
             mark_default(axis, points)
         index, offset, side = LABEL[method]
-        axis.annotate(method, drawn[index][:2], xytext=offset, textcoords="offset points", ha=side, color=colour)
+        axis.annotate(method.removeprefix("softpoint, "), drawn[index][:2], xytext=offset, textcoords="offset points", ha=side, color=colour)
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.grid(True, alpha=0.3)
