@@ -56,7 +56,7 @@ void put_body(const figure::FigureModel& model, int link, Vec3 origin,
 
 class MujocoPeer : public FigurePeer {
  public:
-  MujocoPeer(const figure::FigureModel& model, const figure::FigureState& state) {
+  MujocoPeer(const figure::FigureModel& model, const figure::FigureState& state, bool whole) : whole_(whole) {
     std::string text = "<mujoco><compiler angle='radian' inertiafromgeom='false'/><worldbody>";
     put_body(model, 0, Vec3::Zero(), {}, text);
     text += "</worldbody></mujoco>";
@@ -83,6 +83,7 @@ class MujocoPeer : public FigurePeer {
     }
     mj_forward(model_, data_);
     bias_.resize(static_cast<std::size_t>(model_->nv));
+    solved_.resize(bias_.size());
   }
   ~MujocoPeer() override {
     mj_deleteData(data_);
@@ -91,11 +92,22 @@ class MujocoPeer : public FigurePeer {
   MujocoPeer(const MujocoPeer&) = delete;
   MujocoPeer& operator=(const MujocoPeer&) = delete;
 
-  std::string name() const override { return std::string("MuJoCo ") + mj_versionString(); }
+  std::string name() const override {
+    return std::string("MuJoCo ") + mj_versionString() +
+           (whole_ ? ", from positions to accelerations" : ", crb, factor, rne");
+  }
   void forward() override {
+    if (whole_) {
+      mj_kinematics(model_, data_);
+      mj_comPos(model_, data_);
+      mj_comVel(model_, data_);
+    }
     mj_crb(model_, data_);
     mj_factorM(model_, data_);
     mj_rne(model_, data_, 0, bias_.data());
+    if (!whole_) return;
+    for (double& b : bias_) b = -b;
+    mj_solveM(model_, data_, solved_.data(), bias_.data(), 1);
   }
   double largest_acceleration() override {
     double most = 0;
@@ -106,13 +118,15 @@ class MujocoPeer : public FigurePeer {
  private:
   mjModel* model_ = nullptr;
   mjData* data_ = nullptr;
-  std::vector<double> bias_;
+  bool whole_;
+  std::vector<double> bias_, solved_;
 };
 
 }  // namespace
 
-std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state) {
-  return std::make_unique<MujocoPeer>(model, state);
+std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state,
+                                        bool whole) {
+  return std::make_unique<MujocoPeer>(model, state, whole);
 }
 
 }  // namespace softpoint::benchmarks

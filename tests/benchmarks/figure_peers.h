@@ -21,7 +21,9 @@ class FigurePeer {
 // represent; the time is the same.
 std::unique_ptr<FigurePeer> multibody_peer(const figure::FigureModel& model,
                                            const figure::FigureState& state);
-// Null if the program was built without it. crb, factor, rne and the solution with them.
-std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state);
+// Null if the program was built without it. Its crb, factor and rne alone, or `whole`: with the poses and
+// velocities that they want and the solution, which our calls and btMultiBody's have within them.
+std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state,
+                                        bool whole);
 
 }  // namespace softpoint::benchmarks

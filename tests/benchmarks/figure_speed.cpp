@@ -17,7 +17,7 @@
 
 namespace softpoint::benchmarks {
 #ifndef SOFTPOINT_HAVE_MUJOCO
-std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel&, const figure::FigureState&) {
+std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel&, const figure::FigureState&, bool) {
   return nullptr;
 }
 #endif
@@ -92,7 +92,9 @@ void engines(const std::string& task, const FigureModel& model) {
   std::vector<double> qdd(state.qd.size());
   std::vector<std::unique_ptr<FigurePeer>> peers;
   peers.push_back(multibody_peer(model, state));
-  if (model.link_count() <= 30) peers.push_back(mujoco_peer(model, state));  // deeper XML it refuses
+  for (const bool whole : {false, true}) {
+    if (model.link_count() <= 30) peers.push_back(mujoco_peer(model, state, whole));  // deeper XML it refuses
+  }
   std::vector<Contender> contenders;
   contenders.push_back(
       {"softpoint", [&] { ours.forward(state.q.data(), state.qd.data(), nullptr, qdd.data()); }});
