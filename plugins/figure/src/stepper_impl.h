@@ -41,10 +41,10 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   struct Dry {
     int link;
     std::size_t v;
-    int limited;   // which of the joints with a range; -1: none
+    int range;     // which of the joints with a range; -1: none
     double limit;  // N m (N)
-    bool stopped(const std::vector<Stop>& stops) const {
-      return limited >= 0 && stops[static_cast<std::size_t>(limited)] != Stop::kFree;
+    bool stopped(const std::vector<Stop>& all) const {
+      return range >= 0 && all[static_cast<std::size_t>(range)] != Stop::kFree;
     }
   };
   bool stands(const Dry& joint) const;       // prescribed, or against a stop
