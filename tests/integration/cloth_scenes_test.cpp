@@ -115,8 +115,8 @@ TEST(ClothScenes, TwoBubblesMerge) {
   ClothPlay play("cloth_two_bubbles");
   play.until(0.5);
   EXPECT_EQ(play.now().bubbles, 2);
-  play.until(1.2);
-  EXPECT_LT(play.now().bubbles, 2);
+  play.until(1.0);
+  EXPECT_EQ(play.now().bubbles, 1);  // farther on, a wrinkle may close off a small one of its own
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
-// What a cloth is made of and what it goes on from; the stages of its step (cloth_step.cpp).
+// What a cloth is made of and what it goes on from; the stages of its step (cloth_step.cpp, cloth_air.cpp, cloth_self.cpp).
 struct __attribute__((visibility("hidden"))) Cloth::State {
   explicit State(const ClothDesign& made);
 

@@ -10,7 +10,7 @@ namespace {
 // Of the thickness: nearer than this counts as through; what is nearer already may still lose this much of
 // its distance.
 constexpr double kLeast = 0.1, kShrinks = 0.9;
-constexpr int kRounds = 30;
+constexpr int kJoinRounds = 30;
 
 }  // namespace
 
@@ -93,7 +93,7 @@ void SelfZones::move(const Motion& motion) {
 
 int SelfZones::join(const Motion& motion, std::span<const SelfMeeting> meetings) {
   bool any = false;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kJoinRounds; ++round) {
     bool fresh = false;
     for (const SelfMeeting& meeting : meetings) {
       if (!crosses(meeting, motion)) continue;
@@ -102,7 +102,7 @@ int SelfZones::join(const Motion& motion, std::span<const SelfMeeting> meetings)
       fresh |= unite(meeting.pair);
     }
     if (!fresh) break;
-    if (round == kRounds - 2) {
+    if (round == kJoinRounds - 2) {
       for (const SelfMeeting& meeting : meetings) unite(meeting.pair);
     }
     move(motion);
