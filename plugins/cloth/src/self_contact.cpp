@@ -35,8 +35,7 @@ SelfContactPass::SelfContactPass(const ClothPattern& pattern, double thickness)
       room_(kRoom * pattern.spacing) {
   searched_at_.assign(pattern.points.size(), Vec3::Zero());
   wanted_.assign(pattern.points.size(), Vec3::Zero());
-  pairs_.reserve(kMostPairs * pattern.points.size() + kPairsOfFaces);
-  meetings_.reserve(pairs_.capacity());
+  most_pairs_ = kMostPairs * pattern.points.size();
 }
 
 void SelfContactPass::forget() {
@@ -98,10 +97,13 @@ void SelfContactPass::search(std::span<const Vec3> positions) {
   ++counts.searches;
   travel_ = 0;
   pairs_.clear();
+  // Once and for all, but not for cloth that does not meet itself.
+  pairs_.reserve(most_pairs_);
+  meetings_.reserve(most_pairs_);
   most_face_pairs_ = kMostFacePairs * static_cast<int>(patches_.faces().size());
   patches_.measure(positions, 0.5 * reach_);
   counts.patch_pairs = patches_.near_faces(positions, reach_, [&](int face, int other) {
-    if (--most_face_pairs_ < 0 || pairs_.size() + kPairsOfFaces > pairs_.capacity()) {
+    if (--most_face_pairs_ < 0 || pairs_.size() + kPairsOfFaces > most_pairs_) {
       ++counts.dropped;
       return;
     }

@@ -66,6 +66,7 @@ class SelfContactPass {
   double room_;       // m, points move half of it before pairs are looked for anew
   double reach_ = 0;  // m, of the search
   bool known_ = false;
+  std::size_t most_pairs_ = 0;
   int most_face_pairs_ = 0;  // that the search at work may still look at
   double travel_ = 0;        // m, sum of how far two points can have come nearer each other
   std::vector<Vec3> searched_at_, wanted_;
