@@ -23,7 +23,7 @@ struct BvhJoint {
 
 // A motion: rows of channels, a row a frame; the channels of all joints in their order. Lengths in units of
 // the file, angles in degrees.
-struct BvhClip {
+struct SOFTPOINT_API BvhClip {
   std::vector<BvhJoint> joints;
   double frame_time = 1.0 / 30;  // s
   std::vector<double> values;
