@@ -5,7 +5,7 @@ softpoint_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # Debian 12 packages without which nothing here builds.
 softpoint_required=(
   g++ cmake ninja-build pkg-config
-  libbullet-dev libeigen3-dev libtinyobjloader-dev
+  libbullet-dev libeigen3-dev libtinyobjloader-dev libfcl-dev
   nlohmann-json3-dev libcli11-dev libfmt-dev
   libosmesa6-dev libpng-dev
 )

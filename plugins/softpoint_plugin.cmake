@@ -86,17 +86,18 @@ function(softpoint_compile_settings target)
 endfunction()
 
 # softpoint_add_plugin(<name> SOURCES <file>... [PLUGINS <name>...] [PRIVATE_MODULES <pkg-config module>...]
-#                      [PRIVATE_DEFINITIONS <definition>...])
+#                      [PRIVATE_LIBRARIES <name>...] [PRIVATE_DEFINITIONS <definition>...])
 # Libraries that only the sources need are named as modules of pkg-config, so that whoever links the installed
-# static library finds them too.
+# static library finds them too; as plain libraries (-l) where the module asks for flags that nobody wants.
 function(softpoint_add_plugin name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PLUGINS;PRIVATE_MODULES;PRIVATE_DEFINITIONS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PLUGINS;PRIVATE_MODULES;PRIVATE_LIBRARIES;PRIVATE_DEFINITIONS" ${ARGN})
   set(private_libraries)
   foreach(module IN LISTS ARG_PRIVATE_MODULES)
     softpoint_find_module(${module} REQUIRED)
     softpoint_module_target(${module} library)
     list(APPEND private_libraries ${library})
   endforeach()
+  list(APPEND private_libraries ${ARG_PRIVATE_LIBRARIES})
   # Eigen allocates in inline code, of which the linker keeps one copy: what is linked statically must agree
   # on the alignment, whatever instruction set the program is compiled for.
   set(alignment EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MAX_STATIC_ALIGN_BYTES=16)
@@ -153,7 +154,7 @@ function(softpoint_add_plugin name)
       endif()
     endforeach()
     if(SOFTPOINT_INSTALL)
-      softpoint_install_pkgconfig(${name} "${suffix}" "${ARG_PLUGINS}" "${ARG_PRIVATE_MODULES}")
+      softpoint_install_pkgconfig(${name} "${suffix}" "${ARG_PLUGINS}" "${ARG_PRIVATE_MODULES}" "${ARG_PRIVATE_LIBRARIES}")
     endif()
   endforeach()
   if(SOFTPOINT_INSTALL)

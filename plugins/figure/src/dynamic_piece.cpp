@@ -5,9 +5,7 @@
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
-namespace {
-
-FigureModel without_other_ranges(const FigureModel& model, const std::vector<int>& links) {
+FigureModel with_ranges_of(const FigureModel& model, const std::vector<int>& links) {
   std::vector<Link> result = model.links();
   for (int i = 0; i < model.link_count(); ++i) {
     if (std::find(links.begin(), links.end(), i) != links.end()) continue;
@@ -17,7 +15,16 @@ FigureModel without_other_ranges(const FigureModel& model, const std::vector<int
   return FigureModel(std::move(result));
 }
 
-}  // namespace
+FigureState state_inside(const FigureModel& model) {
+  FigureState inside = rest_state(model);
+  for (int i = 0; i < model.link_count(); ++i) {
+    const Link& link = model.links()[static_cast<std::size_t>(i)];
+    if (link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic) {
+      inside.q[static_cast<std::size_t>(model.position_offset(i))] = std::clamp(0.0, link.lower, link.upper);
+    }
+  }
+  return inside;
+}
 
 void BaseRule::apply(const FigureModel& model, double* q, double* qd, double* qdd) const {
   if (pinned == nullptr) return;
@@ -30,6 +37,16 @@ void BaseRule::apply(const FigureModel& model, double* q, double* qd, double* qd
   }
 }
 
+void BaseRule::fly(const FigureModel& model, double now, double* q, double* qd, double* qdd) const {
+  const int at = model.position_offset(0), v = model.velocity_offset(0) + 3;
+  const double t = now - time;
+  for (int k = 0; k < 3; ++k) {
+    q[at + k] = place[k] + t * rate[k] + 0.5 * t * t * gain[k];
+    qd[v + k] = rate[k] + t * gain[k];
+    qdd[v + k] = gain[k];
+  }
+}
+
 void KeyedMotion::evaluate(double time, double* q, double* qd, double* qdd) const {
   for (const int link : links) {
     const std::optional<TrackSpline>& spline = splines_[static_cast<std::size_t>(link)];
@@ -37,12 +54,13 @@ void KeyedMotion::evaluate(double time, double* q, double* qd, double* qdd) cons
     if (spline) spline->evaluate(time, q + at, qd + v, qdd + v);
   }
   base.apply(model_, q, qd, qdd);
+  if (base.flies) base.fly(model_, time, q, qd, qdd);
 }
 
 DynamicPiece::DynamicPiece(const FigureModel& model, std::vector<int> links,
                            const AnimationSettings& settings,
                            const std::vector<std::optional<TrackSpline>>& splines)
-    : model_(without_other_ranges(model, links)),
+    : model_(with_ranges_of(model, links)),
       links_(std::move(links)),
       is_dynamic_(static_cast<std::size_t>(model.link_count()), 0),
       substeps_(settings.substeps),
@@ -71,14 +89,7 @@ DynamicPiece::DynamicPiece(const FigureModel& model, std::vector<int> links,
   stepper_.set_dynamic({flags.get(), count});
   for (const auto& [link, factor] : settings.paper_friction) stepper_.set_paper_friction(link, factor);
   stepper_.set_prescribed_motion(&motion_);
-  FigureState inside = rest_state(model_);
-  for (int i = 0; i < model_.link_count(); ++i) {
-    const Link& link = model_.links()[static_cast<std::size_t>(i)];
-    if (link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic) {
-      inside.q[static_cast<std::size_t>(model_.position_offset(i))] = std::clamp(0.0, link.lower, link.upper);
-    }
-  }
-  stepper_.set_state(inside);
+  stepper_.set_state(state_inside(model_));
   stepper_.set_limits(settings.limits);
 }
 
@@ -111,6 +122,9 @@ void DynamicPiece::advance(std::size_t tick, double time, double dt, const BaseR
     for (const int link : base.pinned->links()) {
       if (std::find(needed_.begin(), needed_.end(), link) == needed_.end()) take(link);
     }
+  }
+  if (base.flies) {
+    for (int k = 0; k < 3; ++k) inputs_.insert(inputs_.end(), {base.place[k], base.rate[k], base.gain[k]});
   }
   if (memories_.size() <= tick) memories_.resize(tick + 1);
   Memory& memory = memories_[tick];

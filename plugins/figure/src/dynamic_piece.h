@@ -13,10 +13,15 @@ namespace softpoint::inline SOFTPOINT_ABI::figure {
 struct BaseRule {
   const LinkChain* pinned = nullptr;  // null: by its own keys
   Vec3 point = Vec3::Zero();          // m, of the pinned link, in its frame
-  Vec3 place = Vec3::Zero();          // m, where that is held
+  Vec3 place = Vec3::Zero();          // m, where that is held; or from where the base flies,
+  bool flies = false;
+  double time = 0;                                // s
+  Vec3 rate = Vec3::Zero(), gain = Vec3::Zero();  // m/s, m/s2
 
   // Moves the base, whose turn is right already, so that the point is where it belongs.
   void apply(const FigureModel& model, double* q, double* qd, double* qdd) const;
+  // Puts it where it flies.
+  void fly(const FigureModel& model, double now, double* q, double* qd, double* qdd) const;
 };
 
 // The keyed joints at a time, with the base after them.
@@ -33,6 +38,10 @@ class KeyedMotion final : public PrescribedMotion {
   const FigureModel& model_;
   const std::vector<std::optional<TrackSpline>>& splines_;
 };
+
+// The model with the ranges of some links' joints alone, and a state inside them.
+FigureModel with_ranges_of(const FigureModel& model, const std::vector<int>& links);
+FigureState state_inside(const FigureModel& model);
 
 // Dynamic joints that depend on each other, simulated apart from all others. Remembers, frame by frame, what
 // it was made of and what came out.

@@ -20,6 +20,7 @@ FigureAnimation::Impl::Impl(const FigureModel& of, FigureClip what, AnimationSet
   check_clip(model, clip);
   check_range("frame_time", settings.frame_time, 1e-5, 1);
   check_range("substeps", settings.substeps, 1, 10000);
+  check_range("friction", settings.friction, 0, 100);
   check_range("gravity", settings.gravity, -kMaxAcceleration, kMaxAcceleration);
   DynamicPiece(model, {}, settings, splines);  // refuses what does not go together
   is_dynamic.assign(static_cast<std::size_t>(model.link_count()), 0);
@@ -115,8 +116,29 @@ void FigureAnimation::Impl::choose_base(double time, const FigureState& at) {
   if (now == place) return;
   place = now;
   base = {};
+  by_gravity = by_contact = false;
+  feet.clear();
   if (now < 0 || clip.places[static_cast<std::size_t>(now)].rule == PlaceRule::kKeyed) return;
   const PlaceInterval& rule = clip.places[static_cast<std::size_t>(now)];
+  if (rule.rule == PlaceRule::kFeet) {
+    for (const int link : {rule.link, rule.other}) {
+      if (link < 0) continue;
+      FootSolver foot(model, link, rule.point);
+      const Vec3 where = foot.where(at);
+      feet.emplace_back(std::move(foot), where);
+    }
+    return;
+  }
+  if (rule.rule == PlaceRule::kContact) {
+    by_contact = true;
+    return;
+  }
+  if (rule.rule == PlaceRule::kGravity) {
+    by_gravity = true;
+    gravity->begin(rule, time, at);
+    base = gravity->guess(time, at);
+    return;
+  }
   const LinkChain& chain = chains.try_emplace(rule.link, model, rule.link).first->second;
   base.pinned = &chain;
   base.point = rule.point;
@@ -155,6 +177,12 @@ void FigureAnimation::Impl::evaluate() {
     tracks[static_cast<std::size_t>(track.link)] = track;
     make_spline(track, -1e300, nullptr, {});
   }
+  events.clear();
+  bool wants_gravity = false, wants_contact = false;
+  for (const PlaceInterval& p : clip.places) wants_contact = wants_contact || p.rule == PlaceRule::kContact;
+  if (wants_contact) landing = std::make_unique<LandingRule>(model, clip, settings, splines);
+  for (const PlaceInterval& p : clip.places) wants_gravity = wants_gravity || p.rule == PlaceRule::kGravity;
+  if (wants_gravity) gravity = std::make_unique<GravityRule>(model, clip, settings);
   std::fill(is_dynamic.begin(), is_dynamic.end(), 0);
   make_state(0, states[0]);
   place = -2;
@@ -166,10 +194,19 @@ void FigureAnimation::Impl::evaluate() {
     FigureState& next = states[n + 1];
     next = states[n];
     make_state(time + dt, next);
+    if (by_contact) landing->advance(time, dt, is_dynamic, states[n], next, events, counts);
     for (DynamicPiece* piece : active) {
+      if (by_contact) break;
       piece->advance(n, time, dt, base, states[n], ends_soon(*piece, time + dt), next, counts);
     }
-    base.apply(model, next.q.data(), next.qd.data(), nullptr);
+    for (auto& [foot, where] : feet)
+      counts.feet_missed = std::max(counts.feet_missed, foot.solve(where, next));
+    if (by_gravity) {
+      gravity->place(time, dt, states[n], next, events);
+      base = gravity->guess(time + dt, next);
+    } else if (!by_contact) {
+      base.apply(model, next.q.data(), next.qd.data(), nullptr);
+    }
     // What ends here goes on by keys from the state it has.
     bool changed = false;
     for (const DynamicInterval& d : clip.dynamics) {
@@ -188,9 +225,25 @@ void FigureAnimation::Impl::evaluate() {
         make_spline(track, ticks[n + 1], &next, acceleration);
       }
     }
+    for (const auto& [foot, where] : feet) {  // bent limbs go on from where they are
+      if (clip.places[static_cast<std::size_t>(place)].end > ticks[n + 1] + 1e-7) continue;
+      for (const int link : foot.joints()) {
+        JointTrack track = tracks[static_cast<std::size_t>(link)];
+        track.link = link;
+        make_spline(track, ticks[n + 1], &next, {});
+      }
+    }
     const int before = place;
     choose_base(ticks[n + 1], next);
-    if (changed || place != before) choose_dynamic(ticks[n + 1]);
+    if (changed || place != before || by_gravity) choose_dynamic(ticks[n + 1]);
+  }
+  if (wants_contact) {
+    counts.boxes_overlapping += landing->counts().overlapping;
+    counts.narrow_tests += landing->counts().narrow;
+  }
+  if (wants_gravity) {
+    counts.boxes_overlapping += gravity->counts().overlapping;
+    counts.narrow_tests += gravity->counts().narrow;
   }
 }
 
@@ -203,6 +256,7 @@ FigureAnimation& FigureAnimation::operator=(FigureAnimation&&) noexcept = defaul
 const FigureModel& FigureAnimation::model() const { return impl_->model; }
 const FigureClip& FigureAnimation::clip() const { return impl_->clip; }
 const AnimationSettings& FigureAnimation::settings() const { return impl_->settings; }
+const std::vector<PlaceEvent>& FigureAnimation::events() const { return impl_->events; }
 const AnimationCounts& FigureAnimation::counts() const { return impl_->counts; }
 void FigureAnimation::evaluate() { impl_->evaluate(); }
 

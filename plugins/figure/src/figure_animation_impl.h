@@ -2,7 +2,9 @@
 
 #include <map>
 
-#include "dynamic_piece.h"
+#include "foot_solver.h"
+#include "gravity_rule.h"
+#include "landing_rule.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
@@ -35,6 +37,11 @@ struct __attribute__((visibility("hidden"))) FigureAnimation::Impl {
   std::vector<DynamicPiece*> active;
   std::map<int, LinkChain> chains;
   BaseRule base;
+  std::unique_ptr<GravityRule> gravity;  // made anew with the clip
+  std::unique_ptr<LandingRule> landing;
+  bool by_gravity = false, by_contact = false;
+  std::vector<std::pair<FootSolver, Vec3>> feet;  // and where they stand
+  std::vector<PlaceEvent> events;
   int place = -1;  // interval in force
   std::vector<double> scratch;
 };

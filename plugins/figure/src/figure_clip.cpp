@@ -61,7 +61,9 @@ void check_clip(const FigureModel& model, FigureClip& clip) {
     const PlaceInterval& place = next.places[i];
     const std::string who = "place " + std::to_string(i);
     check_interval(who, place.begin, place.end, clip.end);
-    check_index(who + " link", place.link, model.link_count());
+    const bool any = place.rule == PlaceRule::kGravity && place.link == -1;
+    if (!any) check_index(who + " link", place.link, model.link_count());
+    if (place.other != -1) check_index(who + " other", place.other, model.link_count());
     check_range(who + " point", place.point, -kMaxPosition, kMaxPosition);
     if (place.rule != PlaceRule::kKeyed && model.links()[0].joint != JointKind::kFree) {
       throw Error(who + " for a figure whose first link is " + name(model.links()[0].joint) +
@@ -73,6 +75,7 @@ void check_clip(const FigureModel& model, FigureClip& clip) {
       }
     }
   }
+  FigureCollision(model, next.capsules, next.obstacles);  // refuses what is out of range
   clip = std::move(next);
 }
 

@@ -14,17 +14,31 @@ struct AnimationSettings {
   Integrator integrator = Integrator::kRungeKutta4;
   LimitMode limits = LimitMode::kExact;  // of the dynamic joints
   Vec3 gravity{0, 0, -9.81};             // m/s2
+  double friction = 0.8;                 // Coulomb's, of kContact
   // The paper's friction of step (7), with kPaper limits: link and factor in 1/30 s.
   std::vector<std::pair<int, double>> paper_friction;
+};
+
+// The figure left the ground or came to it.
+struct PlaceEvent {
+  enum class Kind { kTakeOff, kLanding };
+  Kind kind = Kind::kTakeOff;
+  double time = 0;  // s, of the first state after it
+  int link = 0;     // that was held, or is from now on
 };
 
 // What evaluating has cost since construction.
 struct AnimationCounts {
   long long evaluations = 0;
-  long long dynamic_steps = 0;  // frames of independent dynamic pieces that were simulated
-  long long reused_steps = 0;   // the same, taken over because nothing they depend on had changed
-  long long forward_calls = 0;  // forward dynamics
-  long long guard_fired = 0;    // steps that would not have been finite and left a joint as it was
+  long long dynamic_steps = 0;         // frames of independent dynamic pieces that were simulated
+  long long reused_steps = 0;          // the same, taken over because nothing they depend on had changed
+  long long forward_calls = 0;         // forward dynamics
+  long long boxes_overlapping = 0;     // pairs that the broad phase let through
+  long long narrow_tests = 0;          // of two shapes
+  Vec3 impulse = Vec3::Zero();         // N s, of kContact on the figure, and
+  Vec3 impulse_moment = Vec3::Zero();  // N m s, about the world's origin
+  double feet_missed = 0;              // m, farthest that a foot of kFeet was from its place: out of reach
+  long long guard_fired = 0;           // steps that would not have been finite and left a joint as it was
 };
 
 // A whole clip, frame by frame: keyed joints by their splines, dynamic ones by zero-torque dynamics that feel
@@ -54,6 +68,8 @@ class SOFTPOINT_API FigureAnimation {
   // The state at any time (s): frames, and between them cubics that meet their positions and rates.
   void sample(double time, FigureState& to) const;
 
+  // In order of time.
+  const std::vector<PlaceEvent>& events() const;
   const AnimationCounts& counts() const;
 
  private:

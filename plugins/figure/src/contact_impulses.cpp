@@ -1,0 +1,89 @@
+#include "contact_impulses.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace softpoint::inline SOFTPOINT_ABI::figure {
+namespace {
+
+constexpr int kSweeps = 2000;
+constexpr double kSettled = 1e-14;  // of the largest impulse
+
+}  // namespace
+
+ContactImpulses::ContactImpulses(const FigureModel& model)
+    : placer_(model), rates_(static_cast<std::size_t>(model.velocity_count())) {}
+
+Vec3 ContactImpulses::speed(const FigureDynamics& placed, const Contact& contact) const {
+  const LinkMotion m = placed.motion(contact.link);
+  return m.velocity + m.angular_velocity.cross(Vec3(contact.point - m.position));
+}
+
+void ContactImpulses::assemble(FigureDynamics& dynamics, const double* q,
+                               const std::vector<Contact>& contacts, const double* qd) {
+  const std::size_t m = contacts.size();
+  changes_.assign(3 * m * rates_, 0.0);
+  mobility_.assign(3 * m * m, Vec3::Zero());
+  speeds_.assign(m, Vec3::Zero());
+  impulses_.assign(m, Vec3::Zero());
+  placer_.place(q, qd);
+  std::vector<Wrench> unit(1);
+  for (std::size_t i = 0; i < m; ++i) speeds_[i] = speed(placer_, contacts[i]);
+  for (std::size_t j = 0; j < m; ++j) {
+    const Vec3 arm = contacts[j].point - placer_.motion(contacts[j].link).position;
+    for (int k = 0; k < 3; ++k) {
+      unit[0] = {contacts[j].link, arm.cross(Vec3(Vec3::Unit(k))), Vec3::Unit(k)};
+      double* change = changes_.data() + (3 * j + static_cast<std::size_t>(k)) * rates_;
+      dynamics.respond(unit, change);
+      placer_.place(q, change);
+      for (std::size_t i = 0; i < m; ++i) {
+        mobility_[(3 * j + static_cast<std::size_t>(k)) * m + i] = speed(placer_, contacts[i]);
+      }
+    }
+  }
+}
+
+void ContactImpulses::solve(FigureDynamics& dynamics, const double* q, double friction,
+                            const std::vector<Contact>& contacts, double* qd) {
+  assemble(dynamics, q, contacts, qd);
+  const std::size_t m = contacts.size();
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double moved = 0, largest = 0;
+    for (std::size_t j = 0; j < m; ++j) {
+      Mat3 own;
+      for (std::size_t k = 0; k < 3; ++k) own.col(static_cast<int>(k)) = mobility_[(3 * j + k) * m + j];
+      const Vec3& n = contacts[j].normal;
+      const Vec3 before = impulses_[j];
+      double along = before.dot(n);
+      Vec3 across = before - along * n;
+      // The normal first, then the rest within the cone it opens.
+      along = std::max(0.0, along - (n.dot(speeds_[j]) - contacts[j].lowest) / n.dot(own * n));
+      const Vec3 now = speeds_[j] + own * ((along - before.dot(n)) * n);
+      across -= (now - now.dot(n) * n) / own.trace();
+      const double most = friction * along;
+      if (across.norm() > most) across *= most / across.norm();
+      impulses_[j] = along * n + across;
+      const Vec3 by = impulses_[j] - before;
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < m; ++i)
+          speeds_[i] += by[static_cast<int>(k)] * mobility_[(3 * j + k) * m + i];
+      }
+      moved = std::max(moved, by.norm());
+      largest = std::max(largest, impulses_[j].norm());
+    }
+    if (moved <= kSettled * largest) break;
+  }
+  for (std::size_t j = 0; j < 3 * m; ++j) {
+    const double p = impulses_[j / 3][static_cast<int>(j % 3)];
+    for (std::size_t v = 0; v < rates_; ++v) qd[v] += p * changes_[j * rates_ + v];
+  }
+}
+
+void ContactImpulses::push_out(FigureDynamics& dynamics, const double* q,
+                               const std::vector<Contact>& contacts, double* d) {
+  std::fill_n(d, rates_, 0.0);
+  solve(dynamics, q, 0, contacts, d);
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::figure
