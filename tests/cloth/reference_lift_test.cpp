@@ -18,6 +18,8 @@ ClothErrors errors_of(const LiftTask& task, Dial dial) {
   return errors;
 }
 
+// Force 0.19 N, 99th percentile of stretch off by 184 %; from starts shaken by 1 um 0.18 to 0.28 N: once
+// suction holds the rim flat it cannot wrinkle, and there are two ways to go.
 TEST(ReferenceLift, DISABLED_CentreByTheDefaultDial) {
   const ClothErrors errors = errors_of(centre_lift(), Dial::kDefault);
   EXPECT_LT(errors.force, 0.1);
@@ -27,6 +29,7 @@ TEST(ReferenceLift, DISABLED_CentreByTheDefaultDial) {
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
+// Force 0.115 N, 99th percentile of stretch off by 107 %.
 TEST(ReferenceLift, DISABLED_TwoPointsByTheDefaultDial) {
   const ClothErrors errors = errors_of(two_point_lift(), Dial::kDefault);
   EXPECT_LT(errors.force, 0.1);
@@ -44,7 +47,7 @@ TEST(ReferenceLift, CentreByTheExactDial) {
 }
 
 // Hung by two corners, dry, without drag: the centre of mass over the first half second.
-TEST(ReferenceSwing, DISABLED_FallsAsTheFineStepsDo) {
+TEST(ReferenceSwing, FallsAsTheFineStepsDo) {
   std::ifstream file(SOFTPOINT_CLOTH_DATA "/hung_by_two_corners.csv");
   std::string line;
   std::getline(file, line);

@@ -222,9 +222,14 @@ void CoarseLevel::solve(std::span<double> x) const {
   const int n = 3 * nodes_, stride = band_ + 1;
   for (int i = 0; i < n; ++i) {
     const double* row = matrix_.data() + static_cast<std::size_t>(i) * stride + band_ - i;
-    double sum = x[i];
-    for (int k = std::max(0, i - band_); k < i; ++k) sum -= row[k] * x[k];
-    x[i] = sum / row[i];
+    // Four sums, or each product would wait for the one before.
+    double sums[4] = {x[i], 0, 0, 0};
+    int k = std::max(0, i - band_);
+    for (; k + 4 <= i; k += 4) {
+      for (int c = 0; c < 4; ++c) sums[c] -= row[k + c] * x[k + c];
+    }
+    for (; k < i; ++k) sums[0] -= row[k] * x[k];
+    x[i] = (sums[0] + sums[1] + sums[2] + sums[3]) / row[i];
   }
   for (int i = n - 1; i >= 0; --i) {
     const double* row = matrix_.data() + static_cast<std::size_t>(i) * stride + band_ - i;

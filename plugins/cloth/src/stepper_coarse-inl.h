@@ -51,45 +51,7 @@ void SweepStepper<T>::measure_air() {
   }
 }
 
-template <class T>
-void SweepStepper<T>::measure_push() {
-  measure_air();
-  for (const ColourPlan& plan : in_->layout.colours)
-    kernels_.push(data_, plan, air_ ? gauges_.data() : nullptr);
-}
-
-// Along the plane only where a point slides, against friction as it was.
-template <class T>
-Vec3 SweepStepper<T>::push_at(int slot) const {
-  using A = SweepArrays<T>;
-  Vec3 push = vector_at(A::kB, slot);
-  if (arrays_.field(A::kTouch)[slot] == T(2)) {
-    push += vector_at(A::kC, slot);
-    const Vec3 n = vector_at(A::kN, slot);
-    push -= n.dot(push) * n;
-  }
-  return push;
-}
-
-// Neither held nor stuck nor about to be.
-template <class T>
-bool SweepStepper<T>::carried(int slot) const {
-  using A = SweepArrays<T>;
-  const T touch = arrays_.field(A::kTouch)[slot];
-  if (arrays_.field(A::kFree)[slot] == T(0) || touch == T(1)) return false;
-  if (touch == T(2)) return true;
-  const Vec3 n = vector_at(A::kN, slot);
-  return n.dot(local(slot)) > arrays_.field(A::kLevel)[slot] || n.dot(vector_at(A::kB, slot)) > 0;
-}
-
-template <class T>
-double SweepStepper<T>::push_along() const {
-  using A = SweepArrays<T>;
-  double sum = 0;
-  for (int slot : in_->layout.slot_of) sum += push_at(slot).dot(vector_at(A::kD, slot));
-  return sum;
-}
-
+// Goes on along the moves, by so many times them.
 template <class T>
 void SweepStepper<T>::move_along(double part) {
   using A = SweepArrays<T>;
@@ -99,6 +61,27 @@ void SweepStepper<T>::move_along(double part) {
     const T* d = arrays_.field(A::kD + k);
     for (long i = 0; i < arrays_.slots; ++i) x[i] += scale * d[i];
   }
+  measure_air();
+}
+
+// The coarse nodes' way into the moves of the points.
+template <class T>
+void SweepStepper<T>::carry(std::span<const double> way) {
+  using A = SweepArrays<T>;
+  const T *touch = arrays_.field(A::kTouch), *carried = arrays_.field(A::kCarried);
+  T *dx = arrays_.field(A::kD), *dy = arrays_.field(A::kD + 1), *dz = arrays_.field(A::kD + 2);
+  for (int p = 0; p < in_->pattern.point_count(); ++p) {
+    const int slot = in_->layout.slot_of[p];
+    Vec3 d = Vec3::Zero();
+    if (carried[slot] != T(0)) {
+      d = coarse_->value_at(way, p);
+      if (touch[slot] == T(2)) {
+        const Vec3 normal = vector_at(A::kN, slot);
+        d -= normal.dot(d) * normal;
+      }
+    }
+    dx[slot] = static_cast<T>(d.x()), dy[slot] = static_cast<T>(d.y()), dz[slot] = static_cast<T>(d.z());
+  }
 }
 
 template <class T>
@@ -107,16 +90,18 @@ void SweepStepper<T>::coarse_step() {
   const SweepLayout& layout = in_->layout;
   if (!coarse_ready_) return;
   ++profile.coarse_steps;
-  measure_push();
-  const T* touch = arrays_.field(A::kTouch);
+  measure_air();
+  const double* gauges = air_ ? gauges_.data() : nullptr;
+  for (const ColourPlan& plan : layout.colours) kernels_.push(data_, plan, gauges);
+  const T* carried = arrays_.field(A::kCarried);
   const int n = in_->pattern.point_count();
   const std::span<double> right = coarse_->right_side();
   std::fill(right.begin(), right.end(), 0.0);
   for (int p = 0; p < n; ++p) {
     const int slot = layout.slot_of[p];
-    moves_[p] = carried(slot);
-    if (moves_[p]) coarse_->add_to(right, p, push_at(slot));
+    if (carried[slot] != T(0)) coarse_->add_to(right, p, vector_at(A::kB, slot));
   }
+  pull_.assign(right.begin(), right.end());
   coarse_->solve(right);
   // Each bubble resists a change of its volume with kappa = p/V: a matrix of rank one each, by Sherman and
   // Morrison one after the other.
@@ -127,7 +112,7 @@ void SweepStepper<T>::coarse_step() {
     bubble_.assign(right.size(), 0.0);
     for (int q = 0; q < n; ++q) {
       const int slot = layout.slot_of[q];
-      if (moves_[q] && arrays_.slot_pocket[slot] == static_cast<int>(i)) {
+      if (carried[slot] != T(0) && arrays_.slot_pocket[slot] == static_cast<int>(i)) {
         coarse_->add_to(bubble_, q, vector_at(A::kV, slot));
       }
     }
@@ -140,26 +125,15 @@ void SweepStepper<T>::coarse_step() {
     const double factor = kappa * gr / (1 + kappa * gg);
     for (std::size_t k = 0; k < right.size(); ++k) right[k] -= factor * bubble_way_[k];
   }
-  for (int p = 0; p < n; ++p) {
-    const int slot = layout.slot_of[p];
-    Vec3 d = Vec3::Zero();
-    if (moves_[p]) {
-      d = coarse_->value_at(right, p);
-      if (touch[slot] == T(2)) {
-        const Vec3 normal = vector_at(A::kN, slot);
-        d -= normal.dot(d) * normal;
-      }
-    }
-    set_vector(A::kD, slot, d);
-  }
-  const double before = push_along();
+  double before = 0;
+  for (std::size_t k = 0; k < right.size(); ++k) before += pull_[k] * right[k];
   if (!(before > 0)) return;
+  carry(right);
   move_along(1);
-  measure_push();
-  const double after = push_along();
+  double after = 0;
+  for (const ColourPlan& plan : layout.colours) after += kernels_.push_along(data_, plan, gauges);
   // The push along the way, taken as straight between its ends, is zero here.
   const double part = std::clamp(before / std::max(before - after, 1e-3 * before), 0.0, 1.5);
   move_along(part - 1);
-  measure_air();
   if (part > 0.05) ++profile.coarse_taken;
 }

@@ -68,6 +68,7 @@ struct SweepArrays {
     kTouch,
     kMass,
     kSecond,
+    kCarried,
     kFields
   };
   T* field(int f) const { return slot_block.get() + f * slots; }
@@ -87,7 +88,8 @@ struct SweepArrays {
     d.h = field(kH);
     d.inertia = field(kInertia), d.free = field(kFree), d.level = field(kLevel),
     d.friction = field(kFriction);
-    d.adhesion = field(kAdhesion), d.touch = field(kTouch), d.mass = field(kMass);
+    d.adhesion = field(kAdhesion), d.touch = field(kTouch), d.carried = field(kCarried),
+    d.mass = field(kMass);
     d.springs = springs.get(), d.face_weight = face_weight.get(), d.bend_weight = bend_weight.get();
     d.tile_pocket = tile_pocket.get(), d.slot_pocket = slot_pocket.get(), d.tile_planes = tile_planes.get();
     d.slots = slots;

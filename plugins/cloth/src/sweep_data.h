@@ -49,6 +49,7 @@ struct SweepData {
   const T *ux, *uy, *uz;          // way of its surface within the small step, m
   const T *friction, *adhesion;
   T* touch;         // 0 apart, 1 sticks, 2 slides
+  T* carried;       // 1 where a coarse correction carries the point along, else 0
   T *cx, *cy, *cz;  // contact force, N
   const T* springs;
   const T* face_weight;

@@ -25,9 +25,9 @@ constexpr SweepKernelTable kKernels = {
     Of<float>::lanes,
     Of<double>::lanes,
     {measure_dampers<float>, gather_colour<float>, move_colour<float>, commit_colour<float>,
-     push_colour<float>, volume_of_colour<float>, elastic_energy<float>},
+     push_colour<float>, push_along_colour<float>, volume_of_colour<float>, elastic_energy<float>},
     {measure_dampers<double>, gather_colour<double>, move_colour<double>, commit_colour<double>,
-     push_colour<double>, volume_of_colour<double>, elastic_energy<double>}};
+     push_colour<double>, push_along_colour<double>, volume_of_colour<double>, elastic_energy<double>}};
 
 }  // namespace
 

@@ -25,8 +25,12 @@ struct SweepKernels {
   int (*move)(const SweepData<T>&, const ColourPlan&, const double* gauges, PocketSums* sums);
   // x += dx. Returns the largest square of a move (m2); adds sum G . dx to `change` by pocket.
   double (*commit)(const SweepData<T>&, const ColourPlan&, bool air, double* change);
-  // Minus the gradient, air at the gauge pressures included (or null), contact not, into b.
+  // Into b what pushes each point that a coarse correction may carry along: minus the gradient, air at the
+  // gauge pressures (or null) included; of a sliding point within its plane, friction included; 0 for those
+  // held, stuck or about to be.
   void (*push)(const SweepData<T>&, const ColourPlan&, const double* gauges);
+  // The same push as it is now, times the moves dx, summed (J).
+  double (*push_along)(const SweepData<T>&, const ColourPlan&, const double* gauges);
   // Adds sum x . G over the colour, by pocket (m3).
   void (*volume)(const SweepData<T>&, const ColourPlan&, double* volumes);
   // Energy of springs and bending, half of each spring's for each end (J).

@@ -62,6 +62,20 @@ SweepStepper<T>::SweepStepper(std::shared_ptr<ClothInputs> inputs)
   set_positions(in_->pattern.points);
 }
 
+// How fast springs turn and stretch, 1/s, root mean square.
+template <class T>
+double SweepStepper<T>::turn_rate() const {
+  using A = SweepArrays<T>;
+  const T *u = arrays_.field(A::kW), *v = arrays_.field(A::kW + 1), *w = arrays_.field(A::kW + 2);
+  double sum = 0;
+  for (const Spring& spring : in_->pattern.springs) {
+    const int a = in_->layout.slot_of[spring.a], b = in_->layout.slot_of[spring.b];
+    const T x = u[a] - u[b], y = v[a] - v[b], z = w[a] - w[b];
+    sum += double(x * x + y * y + z * z) / (spring.rest * spring.rest);
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, in_->pattern.springs.size())));
+}
+
 template <class T>
 int SweepStepper<T>::begin_frame(double dt) {
   const ClothSettings& dial = in_->settings;
@@ -75,7 +89,9 @@ int SweepStepper<T>::begin_frame(double dt) {
       fastest = std::max(fastest, std::abs(contacts.planes[k].velocity.dot(contacts.planes[k].normal)));
     }
   }
-  double wanted = dt / dial.max_substep;
+  const double rate = turn_rate();
+  rounds_ = static_cast<int>(std::clamp(rate / kRoundTurn, 1.0, double(kMostRounds)));
+  double wanted = dt / dial.max_substep * std::clamp(rate / kCalmTurn, 1.0, kMostTurns);
   if (dial.max_move > 0) wanted = std::max(wanted, fastest * dt / (dial.max_move * in_->pattern.spacing));
   const int count = static_cast<int>(std::ceil(std::clamp(wanted - 1e-9, 1.0, double(dial.max_substeps))));
   h_ = dt / count;
@@ -218,6 +234,11 @@ void SweepStepper<T>::substep() {
   for (int i = 0; i < first; ++i) sweep();
   if (coarse) coarse_step();
   for (int i = 0; i < std::max(1, in_->settings.sweeps - first); ++i) sweep();
+  // Over air they are dear, and bring little.
+  for (int round = 1; coarse && !air_ && round < rounds_; ++round) {
+    coarse_step();
+    sweep();
+  }
   finish();
   if (in_->settings.guard) guard();
   report();

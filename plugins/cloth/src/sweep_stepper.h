@@ -93,10 +93,7 @@ class SweepStepper final : public ClothStepper {
   void assemble_coarse();
   void coarse_step();
   void measure_air();
-  void measure_push();
-  Vec3 push_at(int slot) const;
-  bool carried(int slot) const;
-  double push_along() const;
+  void carry(std::span<const double> way);
   void move_along(double part);
 
   // stepper_guard-inl.h
@@ -118,6 +115,12 @@ class SweepStepper final : public ClothStepper {
   Vec3 force_of(const Hand& hand) const;
 
   // sweep_stepper.cpp and stepper_alone-inl.h
+  // Springs of calm cloth turn by less than kCalmTurn (1/s, root mean square): small steps are those of the
+  // dial. Up to kMostTurns times as many where they turn faster; a round of coarse correction and sweep in a
+  // small step for each kRoundTurn (1/s), kMostRounds at most.
+  static constexpr double kCalmTurn = 5, kMostTurns = 4, kRoundTurn = 1;
+  static constexpr int kMostRounds = 4;
+  double turn_rate() const;
   void predict();
   void sweep();
   void sweep_colour(int colour);
@@ -150,10 +153,11 @@ class SweepStepper final : public ClothStepper {
   std::unique_ptr<CoarseLevel> coarse_;
   bool coarse_ready_ = false;
   std::vector<char> moves_;
-  std::vector<double> inertia_, bubble_, bubble_way_;
+  std::vector<double> inertia_, pull_, bubble_, bubble_way_;
 
   double energy_ = 0, work_ = 0;  // J, when last checked; since then
   double before_ = 0;             // the work before this small step
+  int rounds_ = 1;                // of coarse correction and sweep in a small step
   double farthest_ = 0;           // m2, square of the longest move of a sweep in this small step
   int calm_ = 0, unchecked_ = 0;  // checks in a row that were fair, small steps since the last one
 
