@@ -21,7 +21,6 @@ constexpr double kFarthest = 10;            // m, that gaps are looked for
 LandingRule::LandingRule(const FigureModel& model, const FigureClip& clip, const AnimationSettings& settings,
                          const std::vector<std::optional<TrackSpline>>& splines)
     : model_(model),
-      clip_(clip),
       settings_(settings),
       placer_(model),
       collision_(model, clip.capsules, clip.obstacles),

@@ -34,7 +34,6 @@ class LandingRule {
   void prepare(double time, const FigureState& state);
 
   const FigureModel& model_;
-  const FigureClip& clip_;
   const AnimationSettings& settings_;
   FigureDynamics placer_;
   FigureCollision collision_;
