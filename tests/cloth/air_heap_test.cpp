@@ -2,31 +2,10 @@
 // replaces operator new.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
 #include <random>
 
 #include "air_sheet.h"
-#include "heap_calls.h"
-
-long long cloth_heap_calls = 0;
-
-namespace {
-
-void* counted(std::size_t size) {
-  ++cloth_heap_calls;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+#include "support/counted_heap.h"
 
 namespace softpoint::cloth {
 namespace {
@@ -41,7 +20,7 @@ TEST(Bubbles, TakeNothingFromTheHeap) {
   std::vector<double> gauges(sheet.pattern.faces.size(), 5.0);
   std::vector<Vec3> forces(sheet.positions.size(), Vec3::Zero());
   int most = 0;
-  const long long before = cloth_heap_calls;
+  const long long before = test::heap_calls;
   for (int frame = 0; frame < 300; ++frame) {
     const double share = frame % 50 == 0 ? 2.0 : uniform(random);  // now and then all of it flies
     for (std::size_t i = 0; i < sheet.positions.size(); ++i) {
@@ -57,7 +36,7 @@ TEST(Bubbles, TakeNothingFromTheHeap) {
     sheet.finder.add_foot_forces(sheet.frame(), gauges, forces);
     if (frame % 10 == 0) sheet.finder.set_saturation(sheet.saturations);
   }
-  EXPECT_EQ(cloth_heap_calls - before, 0);
+  EXPECT_EQ(test::heap_calls - before, 0);
   EXPECT_GT(most, 10);
 }
 

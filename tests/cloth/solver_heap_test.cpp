@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cloth_solver.h"
-#include "heap_calls.h"
+#include "support/counted_heap_calls.h"
 
 namespace softpoint::cloth {
 namespace {
@@ -34,7 +34,7 @@ TEST(ClothSolver, TakesNothingFromTheHeapOnceWarm) {
     pocket.air = pocket.ambient * pocket.closure;
     long long before = 0;
     for (int frame = 1; frame <= 60; ++frame) {
-      if (frame == 3) before = cloth_heap_calls;
+      if (frame == 3) before = test::heap_calls;
       const ClothHand hands[2] = {{220, pattern.points[220] + Vec3(0, 0, 0.001 * frame), Vec3(0, 0, 0.06)},
                                   {240, pattern.points[240], Vec3::Zero(), 0.5}};
       solver.set_contacts(floor);
@@ -42,7 +42,7 @@ TEST(ClothSolver, TakesNothingFromTheHeapOnceWarm) {
       solver.set_air(faces, {&pocket, 1}, rims);
       solver.step(1.0 / 60);
     }
-    EXPECT_EQ(cloth_heap_calls - before, 0);
+    EXPECT_EQ(test::heap_calls - before, 0);
     EXPECT_GT(solver.profile().coarse_steps, 100);
     EXPECT_GT(solver.profile().boyle_solves, 100);
   }

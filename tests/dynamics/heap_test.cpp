@@ -2,59 +2,30 @@
 #include <LinearMath/btAlignedAllocator.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <new>
 #include <numbers>
 
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/elastic/character.h"
 #include "support/characters.h"
+#include "support/counted_heap.h"
 #include "support/elastic_bodies.h"
 #include "support/multibodies.h"
 #include "support/spring_net.h"
 #include "support/worlds.h"
 
+namespace softpoint {
 namespace {
 
-std::atomic<long long> heap_calls{0};
+using elastic::ElasticBody;
+using test::heap_calls;
 
-void* counted(std::size_t size) {
-  ++heap_calls;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-void* counted_aligned(std::size_t size, std::size_t alignment) {
-  ++heap_calls;
-  if (void* p = std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)) return p;
-  throw std::bad_alloc();
-}
 void* counted_bullet(std::size_t size) {
   ++heap_calls;
   return std::malloc(size);
 }
 void freed_bullet(void* p) { std::free(p); }
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, std::align_val_t a) { return counted_aligned(size, std::size_t(a)); }
-void* operator new[](std::size_t size, std::align_val_t a) { return counted_aligned(size, std::size_t(a)); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-
-namespace softpoint {
-namespace {
-
-using elastic::ElasticBody;
 
 // Heap calls of `steps` world steps, C++ and Bullet's together.
 long long heap_calls_of(TestWorld& world, int steps) {

@@ -1,39 +1,12 @@
 #include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 #include <btBulletCollisionCommon.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
+#include <memory>
 
 #include "shapes.h"
 #include "softpoint/picture/world_painter.h"
 #include "support.h"
-
-namespace {
-
-std::atomic<bool> counting{false};
-std::atomic<int> allocations{0};
-
-void* counted_or_null(std::size_t size) noexcept {
-  if (counting) ++allocations;
-  return std::malloc(size);
-}
-
-void* counted(std::size_t size) {
-  if (void* memory = counted_or_null(size)) return memory;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return counted(size); }
-void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted_or_null(size); }
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return counted_or_null(size); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#include "support/counted_heap.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::picture {
 namespace {
@@ -79,15 +52,12 @@ TEST(Allocation, FramesThatRepeatMakeNone) {
     renderer.finish(image);
   };
   for (int i = 0; i < 4; ++i) frame(i);
-  counting = true;
+  const long long before = test::heap_calls;
   for (int i = 0; i < 6; ++i) frame(i);
-  counting = false;
-  EXPECT_EQ(allocations, 0);
-  allocations = 0;
-  counting = true;
+  const long long after = test::heap_calls;
+  EXPECT_EQ(after - before, 0);
   const auto probe = std::make_unique<int>(1);
-  counting = false;
-  EXPECT_EQ(allocations, *probe) << "the counter counts";
+  EXPECT_GE(test::heap_calls - after, *probe) << "the counter counts";
   for (btCollisionObject& object : objects) world.removeCollisionObject(&object);
 }
 
