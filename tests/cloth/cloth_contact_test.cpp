@@ -227,8 +227,12 @@ TEST(ClothContact, WithoutSelfContactItPassesThroughItself) {
   ClothDesign design = sheet(20);
   design.self_contact.on = false;
   OverFloor scene(design, 0.18, on_edge());
-  scene.world.step(90);
-  EXPECT_GT(scene.cloth.count_intersections(), 0);
+  int worst = 0;
+  for (int i = 0; i < 12; ++i) {
+    scene.world.step(10);
+    worst = std::max(worst, scene.cloth.count_intersections());
+  }
+  EXPECT_GT(worst, 0);
 }
 
 // The air under it leaves while the rim is open, as fast as the sheet falls: none is left to throw it up
