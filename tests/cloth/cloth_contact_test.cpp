@@ -12,6 +12,7 @@
 
 #include "cloth_scene.h"
 #include "support/precision.h"
+#include "support/tier.h"
 
 namespace softpoint::cloth {
 namespace {
@@ -191,6 +192,7 @@ Mat3 on_edge() { return Eigen::AngleAxisd(0.1, Vec3(1, 0.3, 0.5).normalized()).t
 
 TEST(ClothContact, DroppedOnItselfItDoesNotPassThroughItself) {
   for (const double tilt : {0.3, 0.9, 1.2}) {
+    if (tilt > 0.3 && kInstrumented) break;
     const Mat3 tilted = Eigen::AngleAxisd(tilt, Vec3(1, 0.2, 0.1).normalized()).toRotationMatrix();
     const Folding folding = fold(50, 0.4, tilted, full_tier() ? 300 : 70);
     EXPECT_EQ(folding.worst, 0) << tilt;

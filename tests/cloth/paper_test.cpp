@@ -8,6 +8,7 @@
 #include "softpoint/core/error.h"
 #include "support/paper_lift.h"
 #include "support/precision.h"
+#include "support/tier.h"
 
 // The `paper` mode: its forms agree, and it gives the fine-step reference runs again.
 namespace softpoint::cloth {

@@ -2,6 +2,7 @@
 
 #include "support/precision.h"
 #include "support/solver_sheet.h"
+#include "support/tier.h"
 
 // The solver beside the fine-step runs of tests/cloth/data.
 namespace softpoint::cloth {

@@ -8,6 +8,7 @@
 #include "support/elastic_bodies.h"
 #include "support/penetration.h"
 #include "support/precision.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -152,7 +153,8 @@ TEST(Handle, ReleaseLetsGo) {
 
 // An impossible hold (a point pinned below the floor) must not store up a kick for the release.
 TEST(Handle, PinThroughTheFloorStoresNoKick) {
-  for (const double depth : {0.05, 0.3}) {
+  for (const double depth : {0.3, 0.05}) {
+    if (depth < 0.3 && !full_tier()) continue;
     TestWorld world;
     world.add_floor();
     DeformableSystem system(*world);

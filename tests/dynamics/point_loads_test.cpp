@@ -13,6 +13,7 @@
 #include "support/refusal.h"
 #include "support/spring_net.h"
 #include "support/state_hash.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -253,7 +254,8 @@ TEST(PointLoads, NeverDiverge) {
     const bool at_the_limit = random() % 4 == 0;
     const double below = uniform(random);
     const double dent = between(1e-6, 0.02), spin = random() % 2 ? 0.0 : between(0.1, 5.0);
-    // True stiffness over the told one. Twice is the limit itself, where what spins has nothing left to stand on.
+    // True stiffness over the told one. Twice is the limit itself, where what spins has nothing left to stand
+    // on.
     const double share = (spin > 0 ? 1.9 : 2.0) * (at_the_limit ? 1.0 : below);
     TestWorld world;
     DeformableSystem system(*without_gravity(world));

@@ -16,6 +16,7 @@
 #include "support/refusal.h"
 #include "support/state_hash.h"
 #include "support/temporary_folder.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {

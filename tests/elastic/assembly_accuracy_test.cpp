@@ -10,6 +10,7 @@
 #include "softpoint/elastic/assembly.h"
 #include "support/characters.h"
 #include "support/exact_beam.h"
+#include "support/tier.h"
 
 namespace softpoint::elastic {
 namespace {
@@ -184,6 +185,7 @@ TEST(Accuracy, DoesNotDependOnWhereTheBarIsCut) {
     EXPECT_LT(std::abs(coarse.stretch), 3e-3);
     EXPECT_LT(std::abs(coarse.bend), 1e-2);
     EXPECT_LT(std::abs(coarse.twist), 1e-2);
+    if (!full_tier()) continue;  // 32 sides take their time
     const Answers fine = change_by_cut(quarters, 32, angle);
     EXPECT_LT(std::abs(fine.stretch), 3e-3);
     EXPECT_LT(std::abs(fine.bend), 3e-3);

@@ -4,22 +4,15 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
-#include <string_view>
 #include <vector>
 
 #include "softpoint/core/shapes.h"
 #include "softpoint/elastic/boundary_stiffness.h"
 #include "softpoint/elastic/statics.h"
+#include "support/tier.h"
 
 namespace softpoint::elastic {
-
-// The long tier: tests/run.sh --full.
-inline bool is_full_tier() {
-  const char* value = std::getenv("SOFTPOINT_TEST_FULL");
-  return value != nullptr && std::string_view(value) == "1";
-}
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "elastic_support.h"
+#include "support/tier.h"
 
 namespace softpoint::elastic {
 namespace {
@@ -60,6 +61,7 @@ TEST(ClampedCylinder, Of82VerticesIsWithinOnePercent) {
 }
 
 TEST(ClampedCylinder, Of738VerticesIsWithinATenthOfAPercent) {
+  if (kInstrumented) GTEST_SKIP() << "of accuracy, not of memory";
   const Forces coarse = against_cylinder({16, 8, 2}), fine = against_cylinder({32, 16, 4});
   EXPECT_LE(std::abs(fine.stretch), 0.1);
   EXPECT_LE(std::abs(fine.moment), 0.1);

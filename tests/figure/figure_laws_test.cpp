@@ -12,11 +12,10 @@
 #include "softpoint/figure/amdl.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "support.h"
+#include "support/tier.h"
 
 namespace softpoint::figure {
 namespace {
-
-bool full_tier() { return std::getenv("SOFTPOINT_TEST_FULL") != nullptr; }
 
 bool all_finite(const std::vector<double>& numbers) {
   for (const double x : numbers) {
@@ -250,7 +249,7 @@ TEST(FigureLaws, RandomHandoversStayFinite) {
   FigureStepper stepper(model, rest_state(model));
   stepper.set_limits(LimitMode::kExact);
   const auto flags = std::make_unique<bool[]>(links.size());
-  const int steps = full_tier() ? 100000 : 3000;
+  const int steps = by_tier(100000, 3000, 300);
   int handovers = 0;
   for (int i = 0; i < steps; ++i) {
     if (random.below(10) == 0) {

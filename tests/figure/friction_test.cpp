@@ -9,6 +9,7 @@
 #include "softpoint/figure/figure_stepper.h"
 #include "support.h"
 #include "support/refusal.h"
+#include "support/tier.h"
 
 namespace softpoint::figure {
 namespace {
@@ -74,13 +75,12 @@ TEST(DryFriction, HoldsAPendulumOrLetsItFall) {
 
 // Without gravity nothing but friction and stops changes a figure's energy, and they only take from it.
 TEST(DryFriction, KineticEnergyNeverRises) {
-  const bool full = std::getenv("SOFTPOINT_TEST_FULL") != nullptr;
   const FigureModel model = with_friction("mjhum27.amdl", 0.4, 0.05);
   RandomFigures random(101);
   double rise = -1e300, integration = 0;
   long long unfinished = 0, guard = 0;
   int rested = 0;
-  for (int trial = 0; trial < (full ? 300 : 12); ++trial) {
+  for (int trial = 0; trial < by_tier(300, 12, 4); ++trial) {
     FigureState start = rest_state(model);
     for (int i = 1; i < model.link_count(); ++i) {
       const Link& link = model.links()[static_cast<std::size_t>(i)];

@@ -9,6 +9,7 @@
 #include "softpoint/figure/figure_stepper.h"
 #include "support.h"
 #include "support/refusal.h"
+#include "support/tier.h"
 
 namespace softpoint::figure {
 namespace {
@@ -113,7 +114,7 @@ double outside(const FigureModel& model, const FigureState& state) {
 
 TEST(Limits, ManyJointsAtOnceStayInsideAndEverySearchEnds) {
   const FigureModel model = read_amdl_file(data_file("mjhum27.amdl"));
-  const int starts = std::getenv("SOFTPOINT_TEST_FULL") != nullptr ? 1000 : 12;
+  const int starts = by_tier(1000, 12, 2);
   for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
     RandomFigures random(1);
     double violation = 0;

@@ -12,6 +12,7 @@
 #include "support/characters.h"
 #include "support/precision.h"
 #include "support/random.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -48,7 +49,7 @@ double distance_from_rest(std::span<const Vec3> points, const std::vector<Vec3>&
 // motion out, of soft bodies within longer than ten seconds.
 TEST(ReleasedCharacter, ReturnsToItsShape) {
   int returned = 0, runs = 0;
-  for (int seed = 0; seed < (full_tier() ? 200 : 12); ++seed) {
+  for (int seed = 0; seed < by_tier(200, 12, 2); ++seed) {
     Random random(static_cast<std::uint64_t>(seed) + 1000);
     const bool inertia = seed % 3 == 2, branched = random.unit() < 0.5;
     const double young = std::pow(10.0, inertia ? random.between(8, 10) : random.between(3, 10));

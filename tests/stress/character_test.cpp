@@ -13,6 +13,7 @@
 #include "support/characters.h"
 #include "support/precision.h"
 #include "support/random.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -143,7 +144,7 @@ class CharacterDrags : public ::testing::TestWithParam<int> {};
 TEST_P(CharacterDrags, LeaveEveryNumberFinite) {
   int steps = 0, balanced = 0;
   for (int seed = kBlock * GetParam(); seed < kBlock * (GetParam() + 1); ++seed) {
-    const Outcome outcome = drag(static_cast<std::uint64_t>(seed), full_tier() ? kFullSteps : kSteps);
+    const Outcome outcome = drag(static_cast<std::uint64_t>(seed), by_tier(kFullSteps, kSteps, kSteps / 2));
     EXPECT_EQ(outcome.complaint, "");
     steps += outcome.steps;
     balanced += outcome.balanced;
@@ -151,7 +152,7 @@ TEST_P(CharacterDrags, LeaveEveryNumberFinite) {
   std::printf("    %d steps, %d of them balanced within the default budget\n", steps, balanced);
 }
 
-INSTANTIATE_TEST_SUITE_P(Block, CharacterDrags, ::testing::Range(0, full_tier() ? kFullBlocks : kBlocks));
+INSTANTIATE_TEST_SUITE_P(Block, CharacterDrags, ::testing::Range(0, by_tier(kFullBlocks, kBlocks, 1)));
 
 }  // namespace
 }  // namespace softpoint

@@ -10,6 +10,7 @@
 
 #include "../cloth/cloth_scene.h"
 #include "support/precision.h"
+#include "support/tier.h"
 
 namespace softpoint::cloth {
 namespace {
@@ -96,7 +97,7 @@ TEST(ClothStress, ViolentHandlingStaysSound) {
   std::mt19937 random(5);
   const double speeds[] = {1, 10, 50}, volumes[] = {0, 4e-4, 4e-3},
                steps[] = {1.0 / 15, 1.0 / 60, 1.0 / 1000}, stiffnesses[] = {1e2, 1e4, 1e6};
-  const int trials = full_tier() ? 500 : 60, length = full_tier() ? 200 : 25;
+  const int trials = by_tier(500, 60, 12), length = by_tier(200, 25, 15);
   Worst worst;
   for (int i = 0; i < trials && !HasFatalFailure(); ++i) {
     const auto pick = [&](const auto& list) {

@@ -12,6 +12,7 @@
 #include "support/elastic_bodies.h"
 #include "support/precision.h"
 #include "support/random.h"
+#include "support/tier.h"
 #include "support/worlds.h"
 
 namespace softpoint {
@@ -147,7 +148,7 @@ constexpr int kBlock = 10;
 class Drags : public ::testing::TestWithParam<int> {};
 
 TEST_P(Drags, LeaveEveryNumberFinite) {
-  const int steps = full_tier() ? kFullSteps : 60;
+  const int steps = by_tier(kFullSteps, 60, 30);
   double fastest = 0;
   for (int seed = kBlock * GetParam(); seed < kBlock * (GetParam() + 1); ++seed) {
     const Outcome outcome = drag(static_cast<std::uint64_t>(seed), steps);
@@ -157,10 +158,10 @@ TEST_P(Drags, LeaveEveryNumberFinite) {
   std::printf("    %d drags of %d steps; fastest rigid body %.3g m/s\n", kBlock, steps, fastest);
 }
 
-INSTANTIATE_TEST_SUITE_P(Block, Drags, ::testing::Range(0, full_tier() ? kFullBlocks : 10));
+INSTANTIATE_TEST_SUITE_P(Block, Drags, ::testing::Range(0, by_tier(kFullBlocks, 10, 3)));
 
 TEST(SameDrags, AreTheSameBitForBitTwice) {
-  const int runs = full_tier() ? 30 : 10;
+  const int runs = by_tier(30, 5, 1);
   for (int seed = 0; seed < runs; ++seed) {
     EXPECT_EQ(drag(static_cast<std::uint64_t>(seed), 90).hash,
               drag(static_cast<std::uint64_t>(seed), 90).hash)

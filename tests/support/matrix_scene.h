@@ -9,6 +9,7 @@
 #include "support/elastic_bodies.h"
 #include "support/precision.h"
 #include "support/shape_zoo.h"
+#include "support/tier.h"
 
 namespace softpoint {
 
@@ -28,14 +29,15 @@ inline std::string name_of(const Cell& cell) { return std::string(name_of(cell.w
 inline void PrintTo(const Cell& cell, std::ostream* out) { *out << name_of(cell); }
 
 // Every kind that `suits` in the discrete world. In the four others a choice, which holds each way of finding
-// contacts once, and everything in the long tier.
+// contacts once (the plane alone where instrumented), and everything in the long tier.
 template <class Predicate>
 std::vector<Cell> cells(Predicate suits) {
   std::vector<Cell> all;
   for (int world = 0; world < 5; ++world) {
     for (const Zoo kind : whole_zoo()) {
-      const bool chosen = kind == Zoo::plane || kind == Zoo::capsule || kind == Zoo::compound ||
-                          kind == Zoo::height_field || kind == Zoo::deformable;
+      const bool chosen =
+          kind == Zoo::plane || (!kInstrumented && (kind == Zoo::capsule || kind == Zoo::compound ||
+                                                    kind == Zoo::height_field || kind == Zoo::deformable));
       if (suits(kind) && (world == 0 || chosen || full_tier())) {
         all.push_back({static_cast<WorldKind>(world), kind});
       }
