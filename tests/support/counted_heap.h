@@ -29,23 +29,26 @@ inline void* counted_aligned(std::size_t size, std::align_val_t alignment) {
 
 }  // namespace softpoint::test
 
-void* operator new(std::size_t size) { return softpoint::test::counted(size); }
-void* operator new[](std::size_t size) { return softpoint::test::counted(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+// Not inlined: seen side by side, malloc and operator delete look mismatched to the compiler.
+[[gnu::noinline]] void* operator new(std::size_t size) { return softpoint::test::counted(size); }
+[[gnu::noinline]] void* operator new[](std::size_t size) { return softpoint::test::counted(size); }
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   return softpoint::test::counted_or_null(size);
 }
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+[[gnu::noinline]] void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
   return softpoint::test::counted_or_null(size);
 }
-void* operator new(std::size_t size, std::align_val_t a) { return softpoint::test::counted_aligned(size, a); }
-void* operator new[](std::size_t size, std::align_val_t a) {
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t a) {
   return softpoint::test::counted_aligned(size, a);
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void* operator new[](std::size_t size, std::align_val_t a) {
+  return softpoint::test::counted_aligned(size, a);
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete[](void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
