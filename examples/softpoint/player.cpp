@@ -69,6 +69,7 @@ void Player::build_deformables() {
     if (!spec.may_sleep) {
       body.setActivationState(DISABLE_DEACTIVATION);
     }
+    body.set_mirrored_normals(false);  // pictures have smooth ones of their own
     deformable_present_.push_back(true);
     switch_states_.emplace_back();
     system_->add(body);

@@ -148,6 +148,36 @@ TEST(Mirror, FollowsTheBody) {
   }
 }
 
+TEST(Mirror, NormalsThatNobodyReadsAreNotComputed) {
+  TestWorld world;
+  DeformableSystem system(*world);
+  ElasticBody drawn(model_of(Shape::part), Vec3(0, 0.5, 0)), hidden(model_of(Shape::part), Vec3(3, 0.5, 0));
+  for (ElasticBody* body : {&drawn, &hidden}) {
+    body->set_velocity(Vec3::Zero(), Vec3(0, 0, 3));
+    system.add(*body);
+  }
+  hidden.set_mirrored_normals(false);
+  const auto turn = [](const ElasticBody& a, const ElasticBody& b) {
+    double most = 0;
+    for (int v = 0; v < a.m_nodes.size(); ++v) {
+      most = std::max(most, double((a.m_nodes[v].m_n - b.m_nodes[v].m_n).length()));
+    }
+    for (int f = 0; f < a.m_faces.size(); ++f) {
+      most = std::max(most, double((a.m_faces[f].m_normal - b.m_faces[f].m_normal).length()));
+    }
+    return most;
+  };
+  EXPECT_LT(turn(drawn, hidden), 1e-5);
+  world.step(20);
+  EXPECT_EQ(system.profile().counts.normals, 1);
+  EXPECT_GT(turn(drawn, hidden), 0.5);  // turned by 1 rad since
+  hidden.set_mirrored_normals(true);
+  EXPECT_LT(turn(drawn, hidden), 1e-5);
+  world.step();
+  EXPECT_EQ(system.profile().counts.normals, 2);
+  EXPECT_LT(turn(drawn, hidden), 1e-5);
+}
+
 TEST(Mirror, StockRayTestFindsItInSoftWorlds) {
   for (const WorldKind kind : {WorldKind::soft_rigid, WorldKind::soft_multibody, WorldKind::deformable}) {
     TestWorld world(kind);

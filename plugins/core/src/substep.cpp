@@ -327,6 +327,7 @@ void DeformableSystem::Impl::commit(double dt) {
   for (Deformable* body : bodies) {
     if (!body->asleep()) {
       body->mirror(dt);
+      profile.counts.normals += body->mirrored_normals();
     }
   }
 }

@@ -57,6 +57,12 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void wake();
   double max_speed() const;  // m/s, of the fastest point
 
+  // Unit normals in Bullet's nodes (m_n) and faces (m_normal), which renderers of soft bodies, debug drawing
+  // and ray tests of Bullet read; on by default. Where nobody reads them they need not be computed: off, they
+  // stay as they were. Back on, they are those of now at once.
+  void set_mirrored_normals(bool on);
+  bool mirrored_normals() const { return mirrored_normals_; }
+
   // Times the last-resort guard put this body back to its last finite state.
   long long guard_fired() const { return guard_fired_; }
 
@@ -97,8 +103,8 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   // the directions in which corners of colliders press. By default the area-weighted mean of the faces round
   // a point.
   virtual void skin_normals(std::vector<Vec3>& normals) const;
-  // Takes a share of an impulse (N s) that acts from the next step on: all of it must be used by then. The base adds
-  // it to the point's velocity before predict().
+  // Takes a share of an impulse (N s) that acts from the next step on: all of it must be used by then. The
+  // base adds it to the point's velocity before predict().
   virtual void queue_impulse(int point, const Vec3& impulse);
   // What kind of body this is, for snapshots: one name a plugin and layout of archive_state().
   virtual std::string_view kind() const { return "deformable"; }
@@ -133,6 +139,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   void finish(double dt);
   void turn_by_couple();
   void mirror(double dt);
+  void mirror_normals();
   void fit_face_tree(double padding);
   void archive(StateArchive& archive);
   void fall_asleep();
@@ -152,6 +159,7 @@ class SOFTPOINT_API Deformable : public btSoftBody, public Surface {
   double total_mass_ = 0;
   double step_ = 0;  // s, of the step at work
   bool impulses_queued_ = false;
+  bool mirrored_normals_ = true;
   long long guard_fired_ = 0;
   SleepSettings sleep_settings_;
   bool asleep_ = false;  // left out of the step

@@ -23,6 +23,7 @@ struct Profile {
   struct Counts {
     int deformables = 0;       // in the system
     int sleeping = 0;          // of them, left out altogether
+    int normals = 0;           // of them, whose normals were mirrored
     int without_pairs = 0;     // deformables that skipped detection: nothing was near
     int without_contacts = 0;  // deformables that skipped compliance: nothing touched
     int pairs = 0;             // (deformable, collider) pairs the broadphase let through
