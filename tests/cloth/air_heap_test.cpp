@@ -5,7 +5,7 @@
 #include <random>
 
 #include "air_sheet.h"
-#include "support/counted_heap.h"
+#include "support/counted_malloc.h"
 
 namespace softpoint::cloth {
 namespace {

@@ -1,6 +1,7 @@
-// A step takes nothing from the heap once it is warm. An executable of its own: it replaces operator new.
+// A step takes nothing from the heap once it is warm. An executable of its own: it replaces malloc.
 #include <LinearMath/btAlignedAllocator.h>
 #include <gtest/gtest.h>
+#include <Eigen/Core>
 
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +10,7 @@
 #include "softpoint/core/deformable_system.h"
 #include "softpoint/elastic/character.h"
 #include "support/characters.h"
-#include "support/counted_heap.h"
+#include "support/counted_malloc.h"
 #include "support/elastic_bodies.h"
 #include "support/multibodies.h"
 #include "support/spring_net.h"
@@ -35,6 +36,15 @@ long long heap_calls_of(TestWorld& world, int steps) {
   const long long after = heap_calls;
   btAlignedAllocSetCustom(nullptr, nullptr);
   return after - before;
+}
+
+TEST(Counter, SeesWhatEigenTakes) {
+  if (kInstrumented) GTEST_SKIP() << "sanitizers replace malloc";
+  const long long before = heap_calls;
+  const Eigen::VectorXd taken =
+      Eigen::VectorXd::Constant(::testing::UnitTest::GetInstance()->total_test_count() + 100, 1.0);
+  EXPECT_GT(taken.sum(), 0.0);
+  EXPECT_EQ(heap_calls, before + 1);
 }
 
 TEST(Step, TakesNothingFromTheHeapAtRest) {
