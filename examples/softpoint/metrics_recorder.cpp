@@ -9,6 +9,7 @@
 #include <numeric>
 #include <thread>
 
+#include "metrics_figure.h"
 #include "sibling.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::scene {
@@ -164,6 +165,9 @@ std::string MetricsRecorder::json() const {
   }
   if (ordered_json cloths = sheets_.json(); !cloths.empty()) {
     result["cloths"] = std::move(cloths);
+  }
+  if (ordered_json figures = figures_json(player_); !figures.empty()) {
+    result["figures"] = std::move(figures);
   }
   result["counts"] = {{"deformables", player_.deformable_count()},
                       {"rigid_bodies", player_.rigid_count()},

@@ -32,6 +32,7 @@ Player::Player(Scene scene)
     : scene_(std::move(scene)), overlays_(scene_.pictures.overlays), world_(scene_.world) {
   build_rigid_bodies();
   build_deformables();
+  build_figures();
   handles_ = std::make_unique<HandleSet>(*system_, scene_.handles.size());
 }
 
@@ -73,6 +74,16 @@ void Player::build_deformables() {
     deformable_present_.push_back(true);
     switch_states_.emplace_back();
     system_->add(body);
+  }
+}
+
+void Player::build_figures() {
+  for (const FigureSpec& spec : scene_.figures) {
+    try {
+      figures_.push_back(std::make_unique<FigureActor>(spec, *world_));
+    } catch (const Error& error) {
+      throw Error(scene_.file + ": figure \"" + spec.name + "\": " + error.what());
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "player_figure.h"
 #include "player_handles.h"
 #include "player_rigid.h"
 #include "player_world.h"
@@ -49,6 +50,8 @@ class Player {
   const RigidActor& rigid(std::size_t k) const { return *rigid_[k]; }
   std::size_t deformable_count() const { return deformables_.size(); }
   const Deformable& deformable(std::size_t k) const { return *deformables_[k].body; }
+  std::size_t figure_count() const { return figures_.size(); }
+  const FigureActor& figure(std::size_t k) const { return *figures_[k]; }
   // Of a body of parts; else null.
   const Articulation* articulation(std::size_t k) const { return deformables_[k].articulation.get(); }
   // Of a cloth; else null.
@@ -61,6 +64,7 @@ class Player {
  private:
   void build_rigid_bodies();
   void build_deformables();
+  void build_figures();
   void apply(const Event& event);
   void apply(const ImpulseEvent& event);
   void apply(const ToggleEvent& event);
@@ -81,6 +85,7 @@ class Player {
   Overlays overlays_;
   StockWorld world_;
   std::vector<std::unique_ptr<RigidActor>> rigid_;
+  std::vector<std::unique_ptr<FigureActor>> figures_;  // leave the world before it goes
   Actors deformables_;
   std::unique_ptr<DeformableSystem> system_;  // after the bodies: leaves the world before they go
   std::unique_ptr<HandleSet> handles_;

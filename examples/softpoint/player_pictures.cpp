@@ -89,6 +89,12 @@ void PictureTaker::dress() {
   for (std::size_t k = 0; k < player_.deformable_count(); ++k) {
     wear(player_.deformable(k), scene.deformables[k].color, wireframe_);
   }
+  for (std::size_t k = 0; k < player_.figure_count(); ++k) {
+    const figure::ArticulatedController& controller = player_.figure(k).controller();
+    for (int i = 0; i < controller.body_count(); ++i) {
+      wear(controller.body(i), scene.figures[k].color, false);
+    }
+  }
   for (std::size_t k = 0; k < player_.rigid_count(); ++k) {
     const btCollisionObject& object = player_.rigid(k).body();
     wear(object, scene.rigid_bodies[k].color, false);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "articulation.h"
+#include "scene_figure.h"
 #include "scene_path.h"
 #include "sheet.h"
 #include "softpoint/core/deformable_system.h"
@@ -209,6 +210,7 @@ struct Scene {
   WorldSpec world;
   std::vector<RigidBodySpec> rigid_bodies;
   std::vector<DeformableSpec> deformables;
+  std::vector<FigureSpec> figures;
   std::vector<std::string> handles;  // names
   std::vector<Event> events;         // in order of time
   CameraSpec camera;

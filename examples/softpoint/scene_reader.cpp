@@ -163,6 +163,12 @@ void read_scene(ObjectReader& root, const DeformablePlugins& plugins, Scene& sce
     names.settle(item, body.name, "deformable", index);
     scene.deformables.push_back(std::move(body));
   });
+  root.list("figures", {.optional = true, .doc = "keyframed, with dynamics inside; kinematic to all others"},
+            [&](ObjectReader& item, int index) {
+              FigureSpec spec = read_figure(item, scene.rigid_bodies, scene.world.gravity);
+              names.settle(item, spec.name, "figure", index);
+              scene.figures.push_back(std::move(spec));
+            });
   read_events(root, scene);
   read_view(root, scene);
   read_length(root, scene);

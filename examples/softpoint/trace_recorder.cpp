@@ -52,6 +52,7 @@ void TraceRecorder::head() {
                "contact_force", "lowest", "highest"});
     }
   }
+  for (const FigureSpec& spec : scene.figures) columns(spec.name, {"x", "y", "z", "vx", "vy", "vz"});
   for (const RigidBodySpec& spec : scene.rigid_bodies) {
     if (spec.mass > 0.0) {
       columns(spec.name, {"x", "y", "z", "vx", "vy", "vz"});
@@ -93,6 +94,10 @@ void TraceRecorder::row() {
         put(value);
       }
     }
+  }
+  for (std::size_t k = 0; k < player_.figure_count(); ++k) {
+    put_vec(player_.figure(k).center());
+    put_vec(player_.figure(k).velocity());
   }
   for (std::size_t k = 0; k < player_.rigid_count(); ++k) {
     if (player_.rigid(k).mass() > 0.0) {

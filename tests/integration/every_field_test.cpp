@@ -125,6 +125,46 @@ std::vector<json> cloths() {
   return all;
 }
 
+// Keyframed figures of all kinds of joints, placed by every rule.
+std::vector<json> figures() {
+  std::vector<json> all;
+  json d = scene();
+  d["rigid_bodies"].push_back(
+      json::parse(R"({"shape": "box", "size": [0.5, 0.2, 0.5], "position": [1, 0.1, 0]})"));
+  d["figures"] =
+      json::parse(R"([{"name": "doll", "color": [1, 0, 0], "mode": "exact", "frame_time": 0.02, "substeps": 1,
+    "contact_friction": 0.8, "interpolation": "cubic", "key_times": [0, 0.1, 0.2], "end": 0.2,
+    "links": [
+      {"name": "trunk", "joint": "free", "from": [0, 0, 0], "tip": [0, 0.4, 0], "radius": 0.1, "mass": 10},
+      {"name": "arm", "parent": "trunk", "axis": [1, 0, 0], "origin": [0.2, 0.4, 0], "tip": [0, -0.3, 0],
+        "radius": 0.04, "mass": 1, "lower": -1, "upper": "170 deg", "armature": 0.01, "damping": 0.02,
+        "dry_friction": 0.01, "friction": 0.8},
+      {"name": "head", "parent": "trunk", "joint": "ball", "origin": [0, 0.5, 0], "tip": [0, 0.2, 0], "mass": 3},
+      {"name": "rod", "parent": "trunk", "joint": "prismatic", "axis": [0, 1, 0], "tip": [0, -0.5, 0], "mass": 1},
+      {"name": "foot", "parent": "rod", "joint": "fixed", "origin": [0, -0.5, 0], "tip": [0, 0, 0.2], "mass": 1}],
+    "base": [{"position": [0, 1, 0], "turn": [0, 0, 0]}, {"position": [0, 1, 0.1], "turn": [0, "20 deg", 0]},
+      {"position": [0, 1.1, 0.2], "turn": [0, 0, 0.1]}],
+    "joints": [{"joint": "arm", "values": [0, 0.5, "60 deg"]}, {"joint": "rod", "values": [0, 0.02, 0]},
+      {"joint": "head", "values": [0, 0, 0, 0.1, 0, 0, 0.2, 0, 0]}],
+    "dynamic": [{"begin": 0.1, "end": 0.2, "limb": "arm"}],
+    "places": [{"begin": 0, "end": 0.1, "rule": "pin", "link": "foot", "point": [0, 0, 0.1]}]}])");
+  all.push_back(d);
+  json& doll = d["figures"][0];
+  doll["places"][0] = json::parse(R"({"begin": 0, "end": 0.2, "rule": "contact", "link": "foot"})");
+  doll["dynamic"][0] = json::parse(R"({"begin": 0, "end": 0.2, "limb": "trunk"})");
+  all.push_back(d);
+  doll["mode"] = "paper";
+  doll["links"][1].erase("dry_friction");
+  doll["places"][0]["rule"] = "gravity";
+  doll["dynamic"][0]["limb"] = "arm";
+  all.push_back(d);
+  doll["places"][0] =
+      json::parse(R"({"begin": 0, "end": 0.1, "rule": "feet", "link": "foot", "other": "arm"})");
+  doll.erase("dynamic");
+  all.push_back(d);
+  return all;
+}
+
 // Small documents that hold all keys between them.
 std::vector<json> scenes() {
   std::vector<json> all;
@@ -222,6 +262,7 @@ std::vector<json> scenes() {
   }
   for (json& character : characters()) all.push_back(std::move(character));
   for (json& cloth : cloths()) all.push_back(std::move(cloth));
+  for (json& figure : figures()) all.push_back(std::move(figure));
   return all;
 }
 
@@ -414,6 +455,17 @@ bool is_finite(const Player& player) {
     if (!is_finite(body.getWorldTransform().getOrigin()) || !is_finite(body.getLinearVelocity()) ||
         !is_finite(body.getAngularVelocity())) {
       return false;
+    }
+  }
+  for (std::size_t k = 0; k < player.figure_count(); ++k) {
+    const figure::FigureAnimation& animation = player.figure(k).animation();
+    for (int frame = 0; frame < animation.frame_count(); ++frame) {
+      for (const double x : animation.frame(frame).q) {
+        if (!std::isfinite(x)) return false;
+      }
+      for (const double x : animation.frame(frame).qd) {
+        if (!std::isfinite(x)) return false;
+      }
     }
   }
   return player.system().profile().totals.guard_fired == 0;

@@ -67,7 +67,10 @@ bool LandingRule::fly(double time, double dt, const FigureState& from, FigureSta
   keep_inside(scratch_);
   stepper_->set_state(scratch_);
   stepper_->set_time(time);
-  const bool finite = stepper_->step(dt);
+  const int parts =
+      std::max(1, static_cast<int>(std::ceil(dt / settings_.frame_time * settings_.substeps - 1e-9)));
+  bool finite = true;
+  for (int k = 0; k < parts && finite; ++k) finite = stepper_->step(dt / parts);
   to = stepper_->state();
   if (finite) keep_momentum(dt, from, to);
   totals_->guard_fired += !finite;

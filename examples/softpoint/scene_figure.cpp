@@ -1,0 +1,205 @@
+#include "scene_figure.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "scene.h"
+#include "scene_figure_links.h"
+#include "scene_limits.h"
+#include "scene_rigid_reader.h"
+#include "softpoint/core/error.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+namespace {
+
+using figure::Interpolation;
+using figure::JointKind;
+using figure::JointTrack;
+using figure::Link;
+using figure::PlaceRule;
+
+constexpr double kLongestClip = 3600;  // s
+constexpr double kMostSteps = 1e7;     // of a clip
+constexpr double kMostAngle = 1e3;     // rad; or m, of a sliding joint
+
+Eigen::Quaterniond turned(const Vec3& by) {
+  const double angle = by.norm();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, angle > 0 ? Vec3(by / angle) : Vec3(Vec3::UnitX())));
+}
+
+double read_clip_time(ObjectReader& item, std::string_view key, const std::string& doc = "") {
+  return item.number(key, {.quantity = Quantity::kTime, .low = 0, .high = kLongestClip, .doc = doc});
+}
+
+void read_settings(ObjectReader& item, const FigureLinks& parts, figure::AnimationSettings& settings) {
+  const bool paper = item.choice<bool>(
+      "mode", {{"paper", true}, {"exact", false}},
+      {.fallback = "exact", .doc = "paper: the keyframe paper's integrator, limits, friction"});
+  if (paper) {
+    settings.integrator = figure::Integrator::kPaper;
+    settings.limits = figure::LimitMode::kPaper;
+    settings.paper_friction = parts.paper_friction;
+  }
+  settings.frame_time = item.number("frame_time", {.quantity = Quantity::kTime,
+                                                   .low = 1e-4,
+                                                   .high = 0.1,
+                                                   .fallback = 1.0 / 30,
+                                                   .doc = "of the animation; 1/30 s"});
+  settings.substeps =
+      item.integer("substeps", {.low = 1, .high = 1000, .fallback = 1, .doc = "of the dynamics, a frame"});
+  settings.friction =
+      item.number("contact_friction",
+                  {.low = 0, .high = 100, .fallback = 0.8, .doc = "coefficient, of the rule contact"});
+}
+
+JointTrack read_base(ObjectReader& item, Interpolation kind, const std::vector<double>& times) {
+  JointTrack base{0, kind, {}};
+  const int count = item.list(
+      "base", {.optional = true, .doc = "places of a free first link, one for each time"},
+      [&](ObjectReader& key, int k) {
+        const Vec3 at = key.vec3("position", {.quantity = Quantity::kLength,
+                                              .low = -kMaxLength,
+                                              .high = kMaxLength,
+                                              .fallback = Vec3::Zero(),
+                                              .doc = "of the link's frame"});
+        const Vec3 turn = key.vec3("turn", {.quantity = Quantity::kAngle,
+                                            .low = -kMostAngle,
+                                            .high = kMostAngle,
+                                            .fallback = Vec3::Zero(),
+                                            .doc = "axis times angle"});
+        if (key.describing() || k >= static_cast<int>(times.size())) return;
+        const Eigen::Quaterniond q = turned(turn);
+        base.keys.push_back(
+            {times[static_cast<std::size_t>(k)], {at.x(), at.y(), at.z(), q.w(), q.x(), q.y(), q.z()}, {}});
+      });
+  if (!item.describing() && count > 0 && count != static_cast<int>(times.size())) {
+    item.refuse("base",
+                fmt::format("{} of them; permitted are {}, one for each of key_times", count, times.size()));
+  }
+  return base;
+}
+
+JointTrack read_track(ObjectReader& key, Interpolation kind, const std::vector<double>& times,
+                      const std::vector<Link>& links) {
+  JointTrack track{
+      figure_link_index(key, "joint", key.text("joint", {.doc = "name of its link"}), links), kind, {}};
+  const std::vector<double> values =
+      key.numbers("values", {.quantity = Quantity::kAngle, .low = -kMostAngle, .high = kMostAngle},
+                  {.min = 1,
+                   .max = 30000,
+                   .doc = "one for each time; prismatic: in m; ball: three each, axis times angle"});
+  if (key.describing()) return track;
+  const JointKind joint = links[static_cast<std::size_t>(track.link)].joint;
+  if (joint == JointKind::kFree || joint == JointKind::kFixed) {
+    key.refuse("joint", "of a free or fixed link; permitted are hinge, prismatic, ball");
+  }
+  const std::size_t each = joint == JointKind::kBall ? 3 : 1;
+  if (values.size() != each * times.size()) {
+    key.refuse("values", fmt::format("{} of them; permitted are {}, {} for each of key_times", values.size(),
+                                     each * times.size(), each));
+  }
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (each == 1) {
+      track.keys.push_back({times[k], {values[k]}, {}});
+    } else {
+      const Eigen::Quaterniond q = turned({values[3 * k], values[3 * k + 1], values[3 * k + 2]});
+      track.keys.push_back({times[k], {q.w(), q.x(), q.y(), q.z()}, {}});
+    }
+  }
+  return track;
+}
+
+figure::DynamicInterval read_interval(ObjectReader& entry, const std::vector<Link>& links) {
+  figure::DynamicInterval interval;
+  interval.begin = read_clip_time(entry, "begin");
+  interval.end = read_clip_time(entry, "end");
+  const std::string name =
+      entry.text("limb", {.doc = "a link: its joint and all beyond it; of a free one all beyond it"});
+  const auto limb = static_cast<std::size_t>(figure_link_index(entry, "limb", name, links));
+  std::vector<char> in(links.size(), 0);
+  for (std::size_t i = limb; i < links.size(); ++i) {
+    const int parent = links[i].parent;
+    in[i] = i == limb || (parent >= 0 && in[static_cast<std::size_t>(parent)]);
+    if (in[i] && links[i].joint != JointKind::kFree) interval.links.push_back(static_cast<int>(i));
+  }
+  return interval;
+}
+
+figure::PlaceInterval read_place(ObjectReader& entry, const std::vector<Link>& links) {
+  figure::PlaceInterval place;
+  place.begin = read_clip_time(entry, "begin");
+  place.end = read_clip_time(entry, "end");
+  place.rule =
+      entry.choice<PlaceRule>("rule",
+                              {{"feet", PlaceRule::kFeet},
+                               {"pin", PlaceRule::kPin},
+                               {"gravity", PlaceRule::kGravity},
+                               {"contact", PlaceRule::kContact}},
+                              {.doc = "feet: the base by its keys, legs bend; pin: a point stays; gravity: "
+                                      "it stays while the figure touches something, else free flight; "
+                                      "contact: by dynamics"});
+  place.link = figure_link_index(entry, "link", entry.text("link", {.doc = "that is held"}), links);
+  const std::string other = entry.text("other", {.fallback = "", .doc = "feet: a second link that is held"});
+  if (!other.empty()) place.other = figure_link_index(entry, "other", other, links);
+  place.point = entry.vec3("point", {.quantity = Quantity::kLength,
+                                     .low = -kMaxLength,
+                                     .high = kMaxLength,
+                                     .fallback = Vec3::Zero(),
+                                     .doc = "of it, in its frame"});
+  return place;
+}
+
+}  // namespace
+
+FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& surroundings,
+                       const Vec3& gravity) {
+  FigureSpec spec;
+  spec.name = item.text("name", {.fallback = "", .doc = "for results"});
+  spec.color = read_color(item);
+  FigureLinks parts;
+  item.list("links", {.min = 1, .max = 1000, .doc = "parents first"},
+            [&](ObjectReader& link, int) { read_figure_link(link, parts); });
+  spec.clip.capsules = parts.capsules;
+  spec.clip.obstacles = figure_obstacles(surroundings);
+  spec.settings.gravity = gravity;
+  read_settings(item, parts, spec.settings);
+  const auto kind =
+      item.choice<Interpolation>("interpolation",
+                                 {{"quadratic", Interpolation::kQuadratic},
+                                  {"cubic", Interpolation::kCubic},
+                                  {"monotone", Interpolation::kMonotone},
+                                  {"smooth", Interpolation::kSmooth},
+                                  {"quintic", Interpolation::kQuintic}},
+                                 {.fallback = "cubic", .doc = "smooth, quintic: no jump of acceleration"});
+  const std::vector<double> times =
+      item.numbers("key_times", {.quantity = Quantity::kTime, .low = 0, .high = kLongestClip},
+                   {.min = 1, .max = 10000, .doc = "ascending, of all keyframes"});
+  JointTrack base = read_base(item, kind, times);
+  if (!base.keys.empty()) spec.clip.tracks.push_back(std::move(base));
+  item.list(
+      "joints", {.optional = true, .doc = "that move; the others stay at 0"},
+      [&](ObjectReader& key, int) { spec.clip.tracks.push_back(read_track(key, kind, times, parts.links)); });
+  item.list(
+      "dynamic", {.optional = true, .doc = "limbs left to zero-torque dynamics for a time"},
+      [&](ObjectReader& entry, int) { spec.clip.dynamics.push_back(read_interval(entry, parts.links)); });
+  item.list("places",
+            {.optional = true, .doc = "what the place of the whole goes by for a time; else its keys"},
+            [&](ObjectReader& entry, int) { spec.clip.places.push_back(read_place(entry, parts.links)); });
+  spec.clip.end = read_clip_time(item, "end", "of the animation, which begins with the scene");
+  if (item.describing()) return spec;
+  const double steps = spec.clip.end / spec.settings.frame_time * spec.settings.substeps;
+  if (steps > kMostSteps) {
+    item.refuse("end", fmt::format("{} steps of the animation; permitted are up to {}", steps, kMostSteps));
+  }
+  try {
+    spec.model = std::make_shared<const figure::FigureModel>(std::move(parts.links));
+    figure::FigureAnimation(*spec.model, spec.clip, spec.settings);
+  } catch (const Error& error) {
+    item.refuse(error.what());
+  }
+  return spec;
+}
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene

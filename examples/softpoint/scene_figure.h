@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "json_reader.h"
+#include "softpoint/figure/figure_animation.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::scene {
+
+struct RigidBodySpec;
+
+// A keyframed figure of a scene.
+struct FigureSpec {
+  std::string name;
+  std::optional<Vec3> color;
+  std::shared_ptr<const figure::FigureModel> model;
+  figure::FigureClip clip;
+  figure::AnimationSettings settings;
+};
+
+// Reads one of "figures". Of `surroundings`, the scene's rigid bodies, it can touch those that never move.
+FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& surroundings,
+                       const Vec3& gravity);
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::scene
