@@ -75,7 +75,9 @@ double seconds_of(const FigureSpec& spec) {
 void expect_fast(const FigureSpec& spec) {
   const double seconds = seconds_of(spec);
   std::printf("    31 frames in %.0f us\n", 1e6 * seconds);
-  if (!kInstrumented) EXPECT_LE(seconds, 1e-3);
+  if (!kInstrumented) {
+    EXPECT_LE(seconds, 1e-3);
+  }
 }
 
 TEST(FigureScenes, TheThrowSendsTheRightArmForwardAndTheLeftOneBack) {
