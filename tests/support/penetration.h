@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "softpoint/core/surface.h"
@@ -241,16 +242,31 @@ inline void shape_corners(const btCollisionShape& shape, const btTransform& plac
   }
 }
 
+// How far the deepest of balls (m) is inside the skin (m, > 0 inside); those that are farther than 5 cm from
+// its bounds are not looked at, minus infinity when all are.
+inline double depth_in_skin(const Surface& skin, std::span<const Vec3> centers,
+                            std::span<const double> radii) {
+  Vec3 low = skin.points().front(), high = low;
+  for (const Vec3& p : skin.points()) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    const double radius = radii.empty() ? 0.0 : radii[i];
+    if ((low - centers[i]).maxCoeff() > radius + 0.05 || (centers[i] - high).maxCoeff() > radius + 0.05)
+      continue;
+    deepest = std::max(deepest, radius - distance_to_skin(skin, centers[i]));
+  }
+  return deepest;
+}
+
 // How far the deepest corner of the object is inside the skin (m, > 0 inside).
 inline double corner_depth(const Surface& skin, const btCollisionObject& object) {
   std::vector<Vec3> corners;
   std::vector<double> radii;
   shape_corners(*object.getCollisionShape(), object.getWorldTransform(), corners, radii);
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    deepest = std::max(deepest, radii[i] - distance_to_skin(skin, corners[i]));
-  }
-  return deepest;
+  return depth_in_skin(skin, corners, radii);
 }
 
 }  // namespace softpoint

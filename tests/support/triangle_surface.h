@@ -96,27 +96,17 @@ inline double skin_depth(const Surface& skin, const TriangleSurface& surface, co
 
 // How far the deepest corner of the surface is inside the skin (m, > 0 inside).
 inline double corner_depth(const Surface& skin, const TriangleSurface& surface, const btTransform& placed) {
-  Vec3 low = skin.points().front(), high = low;
-  for (const Vec3& p : skin.points()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (const Vec3& c : surface.corners()) {
+  std::vector<Vec3> corners = surface.corners();
+  for (Vec3& c : corners) {
     const btVector3 w = placed * btVector3(btScalar(c.x()), btScalar(c.y()), btScalar(c.z()));
-    const Vec3 p(w.x(), w.y(), w.z());
-    if ((p - low).minCoeff() > 0 && (high - p).minCoeff() > 0) {
-      deepest = std::max(deepest, -distance_to_skin(skin, p));
-    }
+    c = Vec3(w.x(), w.y(), w.z());
   }
-  return deepest;
+  return depth_in_skin(skin, corners, {});
 }
 
 // How far the deepest vertex of one skin is inside the other (m, > 0 inside).
 inline double skin_in_skin(const Surface& one, const Surface& other) {
-  double deepest = -std::numeric_limits<double>::infinity();
-  for (const Vec3& p : one.points()) deepest = std::max(deepest, -distance_to_skin(other, p));
-  return deepest;
+  return depth_in_skin(other, one.points(), {});
 }
 
 }  // namespace softpoint
