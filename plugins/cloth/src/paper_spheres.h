@@ -54,6 +54,12 @@ class PaperSpheres {
     return false;
   }
 
+  // Those who fly farther out than integers reach share the last cell.
+  static std::int64_t cell(double x) {
+    constexpr double kLast = 1e15;
+    return static_cast<std::int64_t>(std::floor(x > -kLast ? std::min(x, kLast) : -kLast));
+  }
+
   static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
     return (static_cast<std::uint64_t>(x) * 73856093u) ^ (static_cast<std::uint64_t>(y) * 19349663u) ^
            (static_cast<std::uint64_t>(z) * 83492791u);
@@ -73,9 +79,7 @@ class PaperSpheres {
     for (int i = 0; i < n; ++i) {
       const Vec3 p = body.position(i);
       known_[static_cast<std::size_t>(i)] = p;
-      const auto cx = static_cast<std::int64_t>(std::floor(p.x() / reach));
-      const auto cy = static_cast<std::int64_t>(std::floor(p.y() / reach));
-      const auto cz = static_cast<std::int64_t>(std::floor(p.z() / reach));
+      const std::int64_t cx = cell(p.x() / reach), cy = cell(p.y() / reach), cz = cell(p.z() / reach);
       for (std::int64_t dx = -1; dx <= 1; ++dx) {
         for (std::int64_t dy = -1; dy <= 1; ++dy) {
           for (std::int64_t dz = -1; dz <= 1; ++dz) {
