@@ -3,7 +3,10 @@
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
+#include "controller_impl.h"
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -23,30 +26,8 @@ btTransform bullet(const Vec3& place, const Mat3& axes) {
 
 }  // namespace
 
-struct __attribute__((visibility("hidden"))) ArticulatedController::Impl {
-  Impl(btDiscreteDynamicsWorld& in, const FigureAnimation& what)
-      : world(in), animation(what), placer(what.model()) {}
-
-  void publish();
-
-  struct Body {
-    LinkCapsule capsule;
-    Vec3 middle;  // m, and
-    Mat3 turn;    // its axis as z: in the link's frame
-    std::unique_ptr<btCollisionShape> shape;
-    std::unique_ptr<btRigidBody> body;
-  };
-
-  btDiscreteDynamicsWorld& world;
-  const FigureAnimation& animation;
-  FigureDynamics placer;
-  FigureState state;
-  std::vector<Body> bodies;
-  double time = 0;
-};
-
 void ArticulatedController::Impl::publish() {
-  animation.sample(time, state);
+  const FigureState& state = figure.state();
   placer.place(state.q.data(), state.qd.data());
   int last = -1;
   LinkMotion motion;
@@ -60,8 +41,10 @@ void ArticulatedController::Impl::publish() {
 }
 
 ArticulatedController::ArticulatedController(btDiscreteDynamicsWorld& world, const FigureAnimation& animation,
-                                             int group, int mask)
-    : impl_(std::make_unique<Impl>(world, animation)) {
+                                             int group, int mask, const ControllerSettings& settings)
+    : impl_(std::make_unique<Impl>(world, animation, group, mask, settings)) {
+  check_range("max_step", settings.max_step, 1e-5, 1);
+  check_range("return_time", settings.return_time, 1e-3, 1e3);
   if (animation.frame_count() == 0) {
     throw Error("animation that was not evaluated; permitted is one after evaluate()");
   }
@@ -85,6 +68,13 @@ ArticulatedController::ArticulatedController(btDiscreteDynamicsWorld& world, con
     b.body->setActivationState(DISABLE_DEACTIVATION);
     impl_->bodies.push_back(std::move(b));
   }
+  impl_->links.assign(impl_->bodies.size(), -1);
+  impl_->by.resize(impl_->rates.size());
+  for (Impl::Body& b : impl_->bodies) {
+    for (btRigidBody* other : impl_->shown) b.body->setIgnoreCollisionCheck(other, true);
+    for (btRigidBody* other : impl_->shown) other->setIgnoreCollisionCheck(b.body.get(), true);
+    impl_->shown.push_back(b.body.get());
+  }
   set_time(0);
   for (Impl::Body& b : impl_->bodies) world.addRigidBody(b.body.get(), group, mask);
   world.addAction(this);
@@ -96,8 +86,13 @@ ArticulatedController::~ArticulatedController() {
 }
 
 const FigureAnimation& ArticulatedController::animation() const { return impl_->animation; }
-const FigureState& ArticulatedController::state() const { return impl_->state; }
-double ArticulatedController::time() const { return impl_->time; }
+const FigureState& ArticulatedController::state() const { return impl_->figure.state(); }
+double ArticulatedController::time() const { return impl_->figure.time(); }
+bool ArticulatedController::dynamic(int link) const {
+  check_index("link", link, animation().model().link_count());
+  return impl_->figure.dynamic(link);
+}
+const ControllerCounts& ArticulatedController::counts() const { return impl_->counts; }
 int ArticulatedController::body_count() const { return static_cast<int>(impl_->bodies.size()); }
 
 btRigidBody& ArticulatedController::body(int capsule) {
@@ -111,14 +106,38 @@ const btRigidBody& ArticulatedController::body(int capsule) const {
 
 void ArticulatedController::set_time(double time) {
   check_range("time", time, 0, 1e6);
-  impl_->time = time;
+  std::fill(impl_->wanted.begin(), impl_->wanted.end(), 0);
+  impl_->figure.choose(std::vector<char>(impl_->wanted), impl_->settings.return_time);
+  impl_->choose();
+  impl_->figure.restart(time);
   impl_->publish();
   // Bullet takes a kinematic body's velocity from where it was seen last.
   for (Impl::Body& b : impl_->bodies) b.body->setInterpolationWorldTransform(b.body->getWorldTransform());
 }
 
+void ArticulatedController::set_dynamic(std::span<const bool> links) {
+  if (links.size() != impl_->wanted.size()) {
+    throw Error("links: " + std::to_string(links.size()) + " flags; permitted are " +
+                std::to_string(impl_->wanted.size()) + ", one for each link");
+  }
+  std::copy(links.begin(), links.end(), impl_->wanted.begin());
+  impl_->choose();
+}
+
+void ArticulatedController::hand_over(int link, bool dynamic) {
+  const std::vector<Link>& links = animation().model().links();
+  check_index("link", link, animation().model().link_count());
+  std::vector<char> in(links.size(), 0);
+  for (std::size_t i = static_cast<std::size_t>(link); i < links.size(); ++i) {
+    const int parent = links[i].parent;
+    in[i] = static_cast<int>(i) == link || (parent >= 0 && in[static_cast<std::size_t>(parent)]);
+    if (in[i]) impl_->wanted[i] = dynamic;
+  }
+  impl_->choose();
+}
+
 void ArticulatedController::updateAction(btCollisionWorld*, btScalar dt) {
-  impl_->time += static_cast<double>(dt);
+  impl_->advance(static_cast<double>(dt));
   impl_->publish();
 }
 

@@ -5,15 +5,11 @@
 #include <cmath>
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
-namespace {
-
-constexpr int kSweeps = 2000;
-constexpr double kSettled = 1e-14;  // of the largest impulse
-
-}  // namespace
-
-ContactImpulses::ContactImpulses(const FigureModel& model)
-    : placer_(model), rates_(static_cast<std::size_t>(model.velocity_count())) {}
+ContactImpulses::ContactImpulses(const FigureModel& model, int sweeps, double settled)
+    : placer_(model),
+      sweeps_(sweeps),
+      settled_(settled),
+      rates_(static_cast<std::size_t>(model.velocity_count())) {}
 
 Vec3 ContactImpulses::speed(const FigureDynamics& placed, const Contact& contact) const {
   const LinkMotion m = placed.motion(contact.link);
@@ -21,34 +17,47 @@ Vec3 ContactImpulses::speed(const FigureDynamics& placed, const Contact& contact
 }
 
 void ContactImpulses::assemble(FigureDynamics& dynamics, const double* q,
-                               const std::vector<Contact>& contacts, const double* qd) {
+                               const std::vector<Contact>& contacts, const double* qd,
+                               std::span<const Other> others) {
   const std::size_t m = contacts.size();
   changes_.assign(3 * m * rates_, 0.0);
   mobility_.assign(3 * m * m, Vec3::Zero());
   speeds_.assign(m, Vec3::Zero());
   impulses_.assign(m, Vec3::Zero());
   placer_.place(q, qd);
-  std::vector<Wrench> unit(1);
-  for (std::size_t i = 0; i < m; ++i) speeds_[i] = speed(placer_, contacts[i]);
+  const auto arm_of = [&](const Contact& c) {
+    return Vec3(c.point - others[static_cast<std::size_t>(c.other)].center);
+  };
+  for (std::size_t i = 0; i < m; ++i) {
+    speeds_[i] = speed(placer_, contacts[i]);
+    if (contacts[i].other < 0) continue;
+    const Other& other = others[static_cast<std::size_t>(contacts[i].other)];
+    speeds_[i] -= other.velocity + other.spin.cross(arm_of(contacts[i]));
+  }
   for (std::size_t j = 0; j < m; ++j) {
     const Vec3 arm = contacts[j].point - placer_.motion(contacts[j].link).position;
     for (int k = 0; k < 3; ++k) {
-      unit[0] = {contacts[j].link, arm.cross(Vec3(Vec3::Unit(k))), Vec3::Unit(k)};
+      unit_[0] = {contacts[j].link, arm.cross(Vec3(Vec3::Unit(k))), Vec3::Unit(k)};
       double* change = changes_.data() + (3 * j + static_cast<std::size_t>(k)) * rates_;
-      dynamics.respond(unit, change);
+      dynamics.respond(unit_, change);
       placer_.place(q, change);
       for (std::size_t i = 0; i < m; ++i) {
-        mobility_[(3 * j + static_cast<std::size_t>(k)) * m + i] = speed(placer_, contacts[i]);
+        Vec3& gain = mobility_[(3 * j + static_cast<std::size_t>(k)) * m + i];
+        gain = speed(placer_, contacts[i]);
+        if (contacts[j].other < 0 || contacts[i].other != contacts[j].other) continue;
+        const Other& other = others[static_cast<std::size_t>(contacts[j].other)];
+        const Vec3 spin = other.inverse_inertia * arm_of(contacts[j]).cross(Vec3(Vec3::Unit(k)));
+        gain += other.inverse_mass * Vec3(Vec3::Unit(k)) + spin.cross(arm_of(contacts[i]));
       }
     }
   }
 }
 
 void ContactImpulses::solve(FigureDynamics& dynamics, const double* q, double friction,
-                            const std::vector<Contact>& contacts, double* qd) {
-  assemble(dynamics, q, contacts, qd);
+                            const std::vector<Contact>& contacts, double* qd, std::span<const Other> others) {
+  assemble(dynamics, q, contacts, qd, others);
   const std::size_t m = contacts.size();
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < sweeps_; ++sweep) {
     double moved = 0, largest = 0;
     for (std::size_t j = 0; j < m; ++j) {
       Mat3 own;
@@ -61,7 +70,7 @@ void ContactImpulses::solve(FigureDynamics& dynamics, const double* q, double fr
       along = std::max(0.0, along - (n.dot(speeds_[j]) - contacts[j].lowest) / n.dot(own * n));
       const Vec3 now = speeds_[j] + own * ((along - before.dot(n)) * n);
       across -= (now - now.dot(n) * n) / own.trace();
-      const double most = friction * along;
+      const double most = (contacts[j].friction < 0 ? friction : contacts[j].friction) * along;
       if (across.norm() > most) across *= most / across.norm();
       impulses_[j] = along * n + across;
       const Vec3 by = impulses_[j] - before;
@@ -72,7 +81,7 @@ void ContactImpulses::solve(FigureDynamics& dynamics, const double* q, double fr
       moved = std::max(moved, by.norm());
       largest = std::max(largest, impulses_[j].norm());
     }
-    if (moved <= kSettled * largest) break;
+    if (moved <= settled_ * largest) break;
   }
   for (std::size_t j = 0; j < 3 * m; ++j) {
     const double p = impulses_[j / 3][static_cast<int>(j % 3)];

@@ -1,7 +1,6 @@
 #include "landing_rule.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +24,7 @@ LandingRule::LandingRule(const FigureModel& model, const FigureClip& clip, const
       placer_(model),
       collision_(model, clip.capsules, clip.obstacles),
       impulses_(model),
+      momentum_(model),
       motion_(model, splines),
       speed_(static_cast<std::size_t>(model.velocity_count())),
       shift_(speed_.size()),
@@ -72,35 +72,9 @@ bool LandingRule::fly(double time, double dt, const FigureState& from, FigureSta
   bool finite = true;
   for (int k = 0; k < parts && finite; ++k) finite = stepper_->step(dt / parts);
   to = stepper_->state();
-  if (finite) keep_momentum(dt, from, to);
+  if (finite) momentum_.keep(settings_.gravity, dt, from, to, to.qd);
   totals_->guard_fired += !finite;
   return finite;
-}
-
-// (24): the base takes up what the integrator has missed of the momentum, which gravity alone changes.
-void LandingRule::keep_momentum(double dt, const FigureState& from, FigureState& to) {
-  placer_.place(from.q.data(), from.qd.data());
-  const FigureMechanics before = placer_.mechanics();
-  const double mass = model_.total_mass();
-  const Vec3 push = mass * dt * settings_.gravity;
-  const Vec3 arm = before.center_of_mass + 0.5 * dt / mass * before.momentum;
-  const Vec3 momentum = before.momentum + push, angular = before.angular_momentum + arm.cross(push);
-  placer_.place(to.q.data(), to.qd.data());
-  const FigureMechanics now = placer_.mechanics();
-  Eigen::Matrix<double, 6, 6> block;
-  std::fill(speed_.begin(), speed_.end(), 0.0);
-  const auto v = static_cast<std::size_t>(model_.velocity_offset(0));
-  for (int k = 0; k < 6; ++k) {
-    speed_[v + static_cast<std::size_t>(k)] = 1;
-    placer_.place(to.q.data(), speed_.data());
-    const FigureMechanics unit = placer_.mechanics();
-    block.col(k) << unit.angular_momentum, unit.momentum;
-    speed_[v + static_cast<std::size_t>(k)] = 0;
-  }
-  Eigen::Matrix<double, 6, 1> missing;
-  missing << angular - now.angular_momentum, momentum - now.momentum;
-  const Eigen::Matrix<double, 6, 1> gain = block.partialPivLu().solve(missing);
-  for (int k = 0; k < 6; ++k) to.qd[v + static_cast<std::size_t>(k)] += gain[k];
 }
 
 double LandingRule::gap(const FigureState& state, double reach) {
@@ -222,7 +196,7 @@ void LandingRule::push_out(double time, FigureState& state) {
         state.q[static_cast<std::size_t>(model_.position_offset(0)) + k] += by[static_cast<int>(k)];
       }
     }
-    keep_momentum(0, before, state);
+    momentum_.keep(settings_.gravity, 0, before, state, state.qd);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "contact_impulses.h"
 #include "dynamic_piece.h"
+#include "momentum_keeper.h"
 #include "softpoint/figure/figure_collision.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -23,7 +24,6 @@ class LandingRule {
   void choose(const std::vector<char>& dynamic);
   bool fly(double time, double dt, const FigureState& from, FigureState& to);
   void keep_inside(FigureState& state) const;
-  void keep_momentum(double dt, const FigureState& from, FigureState& to);
   double to_contact(double time, double dt, const FigureState& from, FigureState& to);
   double gap(const FigureState& state, double reach);
   double fastest();
@@ -38,6 +38,7 @@ class LandingRule {
   FigureDynamics placer_;
   FigureCollision collision_;
   ContactImpulses impulses_;
+  MomentumKeeper momentum_;
   KeyedMotion motion_;
   std::vector<char> dynamic_;
   std::optional<FigureModel> free_model_;  // with the ranges of the dynamic joints alone
