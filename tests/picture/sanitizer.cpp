@@ -2,3 +2,6 @@
 // leaks.
 extern "C" const char* __lsan_default_suppressions();  // NOLINT: the name is the sanitizer's
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\nleak:libLLVM\n"; }
+// Programs whose output is looked at stay silent about it.
+extern "C" const char* __lsan_default_options();  // NOLINT
+extern "C" const char* __lsan_default_options() { return "print_suppressions=0"; }
