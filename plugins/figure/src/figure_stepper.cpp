@@ -43,6 +43,8 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
   stops.assign(limited.size(), Stop::kFree);
   candidates = leaning = stops;
   grazing.assign(limited.size(), 0);
+  stubborn = grazing;
+  let_go.assign(limited.size(), 0);
   slides.assign(dry.size(), 0);
   held.assign(dry.size(), 0);
   if (integrator == Integrator::kVariational) {

@@ -86,6 +86,9 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   std::vector<Stop> stops;       // per limited joint: leaning on it
   std::vector<Stop> candidates;  // the side that is looked at
   std::vector<Stop> leaning;     // before it is found out anew
+  std::vector<char> stubborn;    // met its stop again at once, in the last part of the step: leans on it
+  std::vector<int> let_go;       // per limited joint: releases inside this step
+  int met = -1;                  // which joint ended that part; -1: none
   std::vector<char> grazing;     // met no stop after all, in this part of the step
   std::vector<LimitEvent> events;
   LimitCounts counts;

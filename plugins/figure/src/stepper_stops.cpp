@@ -14,6 +14,9 @@ constexpr std::size_t kKeptEvents = 64;
 constexpr int kManyBlows = 8;
 constexpr double kNextTo = 1e-9;  // rad or m, and that a second: to begin with
 constexpr double kFarthestNextTo = 1e-6;
+constexpr double kNoTime = 1e-12;    // of a step
+constexpr double kResting = 1e-9;    // rad/s or m/s
+constexpr int kMostReleases = 16;    // of a joint in a step: then it leans to the step's end
 constexpr int kMaxParts = 1000;      // of a step between events
 constexpr int kMaxLocating = 40;     // re-steps for one event
 constexpr double kRounding = 1e-13;  // of the largest torque, acceleration or impulse
@@ -161,8 +164,9 @@ void FigureStepper::Impl::lean_on_stops(double at) {
       [&](std::size_t i) {
         const auto v = static_cast<std::size_t>(limited[i].v);
         const double side = sign_of(candidates[i]);
-        return stops[i] != Stop::kFree ? side * torque[v] > kRounding * scale
-                                       : side * acceleration[v] > kRounding * rate_scale;
+        if (stops[i] != Stop::kFree)
+          return !stubborn[i] && let_go[i] < kMostReleases && side * torque[v] > kRounding * scale;
+        return side * acceleration[v] > kRounding * rate_scale;
       });
   for (std::size_t i = 0; i < limited.size(); ++i) {
     if (before[i] != Stop::kFree && stops[i] == Stop::kFree) {
@@ -240,7 +244,7 @@ double FigureStepper::Impl::locate_release(double length) {
     for (const double t : torque) scale = std::max(scale, std::abs(t));
     for (std::size_t i = 0; i < stops.size(); ++i) {
       const double p = sign_of(stops[i]) * torque[static_cast<std::size_t>(limited[i].v)];
-      if (stops[i] != Stop::kFree && p > most) {
+      if (stops[i] != Stop::kFree && let_go[i] < kMostReleases && p > most) {
         most = p;
         worst = i;
       }
@@ -270,6 +274,7 @@ double FigureStepper::Impl::locate_release(double length) {
   }
   candidates[worst] = stops[worst];
   stops[worst] = Stop::kFree;
+  ++let_go[worst];
   set_joints();
   note(time + t, static_cast<int>(worst), false);
   return t;
@@ -277,6 +282,7 @@ double FigureStepper::Impl::locate_release(double length) {
 
 double FigureStepper::Impl::advance_to_event(double length) {
   std::fill(grazing.begin(), grazing.end(), 0);
+  met = -1;
   advance(length);
   double covered = length;
   for (int look = 0; look < 8; ++look) {
@@ -296,6 +302,7 @@ double FigureStepper::Impl::advance_to_event(double length) {
       grazing[first] = 1;
       continue;
     }
+    met = static_cast<int>(first);
     covered = at;  // others may have met theirs a little earlier: look again
     if (covered <= 0) break;
   }
@@ -314,6 +321,8 @@ void FigureStepper::Impl::step_with_stops(double dt) {
   begin.q = state.q;
   begin.qd = state.qd;
   blows = 0;
+  std::fill(stubborn.begin(), stubborn.end(), 0);
+  std::fill(let_go.begin(), let_go.end(), 0);
   double left = dt;
   bool touching = false;
   for (const Limited& joint : limited) {
@@ -348,6 +357,18 @@ void FigureStepper::Impl::step_with_stops(double dt) {
     time += covered;
     if (blows > before) continue;  // a release: torques of the others have not changed
     meet_stops(time);
+    // A joint at rest that goes neither into its stop now nor away from it soon would meet it again and
+    // again.
+    if (blows > before || covered > kNoTime * dt) {
+      std::fill(stubborn.begin(), stubborn.end(), 0);
+    } else if (met >= 0) {
+      const auto i = static_cast<std::size_t>(met);
+      double& rate = state.qd[static_cast<std::size_t>(limited[i].v)];
+      if (std::abs(rate) <= kResting) {
+        rate = 0;
+        stubborn[i] = 1;
+      }
+    }
     lean_on_stops(time);
   }
   std::swap(begin, state);  // step() takes `next` over, or leaves what there was
