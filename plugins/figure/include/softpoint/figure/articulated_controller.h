@@ -35,7 +35,7 @@ struct ControllerCounts {
 // Joints can be handed to zero-torque dynamics and back at any time. Capsules that dynamic joints carry are
 // pushed back: by the contacts that Bullet has found they exchange impulses with rigid bodies, inelastic,
 // with Bullet's friction, and the figure's whole articulated inertia; all else (links of multibodies too)
-// counts as fixed. Soft bodies see them as they see keyed ones.
+// counts as fixed. Soft bodies pass through them.
 class SOFTPOINT_API ArticulatedController final : public btActionInterface {
  public:
   // Puts the capsules into the world. `animation` was evaluated, is kept by reference and plays from its
