@@ -27,6 +27,7 @@ ClothSettings settings_of(Dial dial) {
 void check(const ClothSettings& settings, std::string_view name) {
   const std::string at = std::string(name) + ".";
   check_range(at + "max_substep", settings.max_substep, kMinSubstep, 1);
+  check_range(at + "march_step", settings.march_step, 0, 1);
   check_range(at + "max_move", settings.max_move, 0, 1000);
   check_range(at + "max_substeps", settings.max_substeps, 1, 100000);
   check_range(at + "sweeps", settings.sweeps, 1, 1000);

@@ -8,6 +8,8 @@ namespace softpoint::inline SOFTPOINT_ABI::cloth {
 struct SolverProfile {
   long long frames = 0;
   long long substeps = 0;
+  long long marched = 0;         // explicit steps
+  long long march_refused = 0;   // small steps of them taken back
   long long sweeps = 0;          // over all colours
   long long coarse_steps = 0;    // coarse corrections tried
   long long coarse_taken = 0;    // of them, those that lowered the energy

@@ -125,6 +125,18 @@ void SweepStepper<T>::load_springs() {
   springs_h_ = h_;
 }
 
+// What bounds the length of explicit steps: springs that pull along a row or a column, over the mass.
+template <class T>
+void SweepStepper<T>::find_stiffest() {
+  stiffest_ = 0;
+  for (std::size_t s = 0; s < in_->pattern.springs.size(); ++s) {
+    const Spring& spring = in_->pattern.springs[s];
+    const double factor = in_->stiffness_factors.empty() ? 1.0 : in_->stiffness_factors[s];
+    stiffest_ = std::max(stiffest_,
+                         factor * spring.stiffness / std::min(in_->masses[spring.a], in_->masses[spring.b]));
+  }
+}
+
 template <class T>
 void SweepStepper<T>::load_contacts() {
   using A = SweepArrays<T>;
@@ -173,6 +185,9 @@ bool SweepStepper<T>::held(int slot) const {
 
 template <class T>
 void SweepStepper<T>::load_inputs() {
+  march_dirty_ =
+      march_dirty_ || air_dirty_ || masses_dirty_ || forces_dirty_ || springs_dirty_ || contacts_dirty_;
+  if (masses_dirty_ || springs_dirty_) find_stiffest();
   if (air_dirty_) load_air();
   if (masses_dirty_) load_masses(), forces_dirty_ = true;
   if (forces_dirty_) load_forces();

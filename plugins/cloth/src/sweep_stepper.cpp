@@ -35,6 +35,28 @@ const SweepKernels<double>& sweep_kernels<double>() {
   return kernels_of_machine().dual;
 }
 
+template <class T>
+const MarchKernels<T>& march_kernels();
+const MarchKernelTable& march_kernels_of_machine() {
+  switch (best_instruction_set()) {
+    case InstructionSet::kAvx512:
+      return *march_kernels_avx512();
+    case InstructionSet::kAvx2:
+      return *march_kernels_avx2();
+    case InstructionSet::kBaseline:
+      break;
+  }
+  return *march_kernels_baseline();
+}
+template <>
+const MarchKernels<float>& march_kernels<float>() {
+  return march_kernels_of_machine().single;
+}
+template <>
+const MarchKernels<double>& march_kernels<double>() {
+  return march_kernels_of_machine().dual;
+}
+
 }  // namespace
 
 #include "stepper_inputs-inl.h"
@@ -44,6 +66,7 @@ const SweepKernels<double>& sweep_kernels<double>() {
 #include "stepper_alone-inl.h"
 #include "stepper_coarse-inl.h"
 #include "stepper_guard-inl.h"
+#include "stepper_march-inl.h"
 #include "stepper_report-inl.h"
 
 template <class T>
@@ -51,7 +74,8 @@ SweepStepper<T>::SweepStepper(std::shared_ptr<ClothInputs> inputs)
     : ClothStepper(std::move(inputs)),
       kernels_(sweep_kernels<T>()),
       arrays_(in_->layout),
-      data_(arrays_.data(in_->fabric.compression_ratio)) {
+      data_(arrays_.data(in_->fabric.compression_ratio)),
+      march_kernels_(march_kernels<T>()) {
   using A = SweepArrays<T>;
   T* inertia = arrays_.field(A::kInertia);
   std::fill_n(inertia, arrays_.slots, T(1));
@@ -89,12 +113,16 @@ int SweepStepper<T>::begin_frame(double dt) {
       fastest = std::max(fastest, std::abs(contacts.planes[k].velocity.dot(contacts.planes[k].normal)));
     }
   }
+  const bool by_explicit_steps = marches();
   const double rate = turn_rate();
   rounds_ = static_cast<int>(std::clamp(rate / kRoundTurn, 1.0, double(kMostRounds)));
-  double wanted = dt / dial.max_substep * std::clamp(rate / kCalmTurn, 1.0, kMostTurns);
+  double wanted =
+      dt / dial.max_substep * (by_explicit_steps ? 0.5 : std::clamp(rate / kCalmTurn, 1.0, kMostTurns));
   if (dial.max_move > 0) wanted = std::max(wanted, fastest * dt / (dial.max_move * in_->pattern.spacing));
   const int count = static_cast<int>(std::ceil(std::clamp(wanted - 1e-9, 1.0, double(dial.max_substeps))));
   h_ = dt / count;
+  coarse_made_ = march_off_ = false;
+  march_fresh_ = true;
   contacts_time_ -= time_;
   time_ = 0;
   ++profile.frames;
@@ -206,7 +234,9 @@ void SweepStepper<T>::report() {
     T* mean = arrays_.field(A::kM + k);
     for (long i = 0; i < arrays_.slots; ++i) mean[i] += share * (c[i] - mean[i]);
   }
-  for (Hand& hand : hands_) hand.impulse = h_ * force_of(hand);
+  for (Hand& hand : hands_) {
+    if (!marched_) hand.impulse = h_ * force_of(hand);
+  }
 }
 
 template <class T>
@@ -220,6 +250,17 @@ void SweepStepper<T>::substep() {
     energy_ = total_energy(&kinetic);
     work_ = 0, unchecked_ = 0, set_anew_ = false;
   }
+  marched_ = march();
+  if (!marched_) solve();
+  report();
+  for (std::size_t p = 0; p < pocket_states_.size(); ++p) pocket_states_[p] = {volumes_[p], gauges_[p]};
+  time_ += h_;
+  ++profile.substeps;
+}
+
+// A small step by implicit Euler and sweeps.
+template <class T>
+void SweepStepper<T>::solve() {
   predict();
   for (const ColourPlan& plan : in_->layout.colours) {
     kernels_.measure_dampers(data_, plan, arrays_.springs.get());
@@ -228,7 +269,7 @@ void SweepStepper<T>::substep() {
   begin_air();
   const int every = in_->settings.coarse_every;
   const bool coarse = every > 0 && profile.substeps % every == 0;
-  if (every > 0 && time_ == 0) assemble_coarse();
+  if (every > 0 && !coarse_made_) assemble_coarse(), coarse_made_ = true;
   // The first sweep takes what is rough out of the way.
   const int first = coarse ? std::max(1, in_->settings.sweeps / 2) : 0;
   for (int i = 0; i < first; ++i) sweep();
@@ -241,10 +282,6 @@ void SweepStepper<T>::substep() {
   }
   finish();
   if (in_->settings.guard) guard();
-  report();
-  for (std::size_t p = 0; p < pocket_states_.size(); ++p) pocket_states_[p] = {volumes_[p], gauges_[p]};
-  time_ += h_;
-  ++profile.substeps;
 }
 
 template <class T>

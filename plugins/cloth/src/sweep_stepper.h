@@ -5,6 +5,7 @@
 
 #include "cloth_stepper.h"
 #include "coarse_level.h"
+#include "march_grid.h"
 #include "sweep_arrays.h"
 #include "sweep_kernels.h"
 
@@ -54,6 +55,9 @@ class SweepStepper final : public ClothStepper {
     Vec3 to = Vec3::Zero(), to_velocity = Vec3::Zero();      // world, at its end
     Vec3 impulse = Vec3::Zero();                             // N s, of the last small step
     Vec3 at = Vec3::Zero();                                  // local, at the end of the small step
+    // of an explicit step: change of velocity to hold it, force, whether the force suffices
+    Vec3 change = Vec3::Zero(), push = Vec3::Zero();
+    bool holds = false;
   };
   // A point with two planes: solved by itself.
   struct Wedge {
@@ -73,6 +77,7 @@ class SweepStepper final : public ClothStepper {
   void load_masses();
   void load_forces();
   void load_springs();
+  void find_stiffest();
   void load_contacts();
   void load_hands();
   void move_origin(const Vec3& origin);
@@ -110,6 +115,19 @@ class SweepStepper final : public ClothStepper {
   void restore();
   void guard();
 
+  // stepper_march-inl.h
+  static constexpr double kMostSmoothed = 14;  // share * stiffness/mass of a cloth of 50 x 50 points
+  static constexpr int kGradientEvery = 4;     // explicit steps from one dV/dx to the next
+  bool marches();
+  bool may_march();
+  void load_march();
+  void load_motion();
+  typename MarchPlace<T>::Type place_of(double x) const;
+  Vec3 hand_at(const Hand& hand, double time) const;
+  bool march();
+  bool soft_air(double h) const;
+  bool guard_march();
+
   // stepper_report-inl.h
   Vec3 gradient(int slot, bool dynamic) const;
   Vec3 force_of(const Hand& hand) const;
@@ -122,6 +140,7 @@ class SweepStepper final : public ClothStepper {
   static constexpr int kMostRounds = 4;
   double turn_rate() const;
   void predict();
+  void solve();
   void sweep();
   void sweep_colour(int colour);
   void solve_alone(int slot, const Hand* hand, const PointContacts* planes);
@@ -151,7 +170,7 @@ class SweepStepper final : public ClothStepper {
   std::vector<Wedge> wedges_;
 
   std::unique_ptr<CoarseLevel> coarse_;
-  bool coarse_ready_ = false;
+  bool coarse_ready_ = false, coarse_made_ = false;  // factored; assembled in this frame
   std::vector<char> moves_;
   std::vector<double> inertia_, pull_, bubble_, bubble_way_;
 
@@ -160,6 +179,14 @@ class SweepStepper final : public ClothStepper {
   int rounds_ = 1;                // of coarse correction and sweep in a small step
   double farthest_ = 0;           // m2, square of the longest move of a sweep in this small step
   int calm_ = 0, unchecked_ = 0;  // checks in a row that were fair, small steps since the last one
+
+  const MarchKernels<T>& march_kernels_;
+  std::unique_ptr<MarchGrid<T>> march_;
+  bool march_dirty_ = true, march_fresh_ = true, march_feet_ = true, march_off_ = false;
+  bool marched_ = false;  // this small step
+  int march_count_ = 0, march_pocket_ = -1;
+  double march_share_ = 0, march_work_ = 0;
+  double stiffest_ = 0;  // of springs over mass, 1/s2
 
   bool air_ = false;  // some pocket has a pressure
   std::vector<PocketState> pocket_states_;

@@ -18,8 +18,11 @@ struct ClothSettings {
   int max_substeps =
       400;         // a step of the world is never cut into more, whatever the two above say; 1 to 100000
   int sweeps = 2;  // Gauss-Seidel sweeps a small step; 1 to 1000
-  int coarse_every = 1;      // small steps from one coarse correction to the next; 0: none
-  int coarse_points = 7;     // points along the side of a coarse patch; 2 to 64
+  int coarse_every = 1;   // small steps from one coarse correction to the next; 0: none
+  int coarse_points = 7;  // points along the side of a coarse patch; 2 to 64
+  // Sheets of a grid without bending take each small step by explicit ones, this long at most (s), as far as
+  // they are stable; 0: never. 0 to 1
+  double march_step = 1.0 / 14400;
   bool second_order = true;  // in time where nothing touches: free swing keeps its energy
   bool guard = true;         // energy may not rise by itself
   Precision precision = Precision::kSingle;

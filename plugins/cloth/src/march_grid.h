@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "march_kernels.h"
+#include "softpoint/cloth/pattern.h"
+#include "sweep_arrays.h"
+
+namespace softpoint::inline SOFTPOINT_ABI::cloth {
+
+// Memory of the explicit steps and where points, springs and faces of a pattern lie in it.
+template <class T>
+class MarchGrid {
+ public:
+  using Data = MarchData<T>;
+  using Place = typename Data::Place;
+  struct Spot {
+    int array;  // family of springs or kind of face, -1 for none
+    long at;
+  };
+
+  explicit MarchGrid(const ClothPattern& pattern) {
+    usable_ = pattern.columns >= 2 && pattern.rows >= 2 && pattern.bends.empty() &&
+              pattern.columns * pattern.rows == pattern.point_count() && place(pattern);
+    if (usable_) allocate();
+  }
+
+  // Whether the pattern is a plain grid: springs to eight neighbours, equally long in each family, no
+  // bending.
+  bool usable() const { return usable_; }
+  long at(int point) const { return point / data_.columns * data_.stride + point % data_.columns; }
+  const std::vector<Spot>& springs() const { return springs_; }
+  const std::vector<Spot>& faces() const { return faces_; }
+
+  const Data& data() const { return data_; }
+  Data& data() { return data_; }
+  // What the kernels only read.
+  T *mass = nullptr, *inverse_mass = nullptr, *friction = nullptr, *adhesion = nullptr;
+  T *acceleration[3], *stiffness[4], *normal[3], *faces_weight[4], *rim[3];
+  Place* foot[3];
+
+ private:
+  bool place(const ClothPattern& pattern) {
+    data_.columns = pattern.columns, data_.rows = pattern.rows;
+    data_.stride = data_.columns / kMarchLanes * kMarchLanes + kMarchLanes;
+    data_.turned_stride = (data_.rows + kMarchLanes - 1) / kMarchLanes * kMarchLanes;
+    const auto column = [&](int p) { return p % pattern.columns; };
+    const auto row = [&](int p) { return p / pattern.columns; };
+    double rest[4] = {0, 0, 0, 0};
+    for (const Spring& spring : pattern.springs) {
+      const int dx = column(spring.b) - column(spring.a), dy = row(spring.b) - row(spring.a);
+      const int family = dy == 0 && dx == 1    ? 0
+                         : dy == 1 && dx == 0  ? 1
+                         : dy == 1 && dx == 1  ? 2
+                         : dy == 1 && dx == -1 ? 3
+                                               : -1;
+      if (family < 0) return false;
+      if (rest[family] == 0) rest[family] = spring.rest;
+      if (std::abs(spring.rest - rest[family]) > 1e-9 * rest[family]) return false;
+      springs_.push_back({family, at(spring.a)});
+    }
+    for (int f = 0; f < 4; ++f) data_.rest[f] = static_cast<T>(rest[f] > 0 ? rest[f] : 1);
+    for (const Triangle& face : pattern.faces) {
+      int left = face[0], low = face[0];
+      for (int p : face) {
+        left = column(p) < column(left) ? p : left;
+        low = row(p) < row(low) ? p : low;
+      }
+      const int a = row(low) * pattern.columns + column(left);
+      const int corners[4] = {a, a + 1, a + pattern.columns + 1, a + pattern.columns};
+      constexpr int kKinds[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}};
+      Spot spot{-1, at(a)};
+      for (int kind = 0; kind < 4; ++kind) {
+        for (int turn = 0; turn < 3; ++turn) {
+          bool same = true;
+          for (int k = 0; k < 3; ++k) same = same && face[k] == corners[kKinds[kind][(k + turn) % 3]];
+          if (same) spot.array = kind;
+        }
+      }
+      if (spot.array < 0) return false;
+      faces_.push_back(spot);
+    }
+    return true;
+  }
+
+  void allocate() {
+    const long size = (data_.rows + 8) * data_.stride, turned = (data_.columns + 8) * data_.turned_stride;
+    const long scratch = 2 * Data::kRowArrays * (data_.stride + Data::kPadding) + 64;
+    constexpr long kFields = 44, kTurned = 9;
+    block_ = aligned_zeros<T>(kFields * size + kTurned * turned + scratch);
+    places_ = aligned_zeros<Place>(6 * size);
+    T* next = block_.get() + 2 * data_.stride;
+    const auto field = [&] {
+      T* out = next;
+      next += size;
+      return out;
+    };
+    for (int k = 0; k < 3; ++k) {
+      data_.x[k] = places_.get() + 2 * data_.stride + k * size;
+      data_.foot[k] = foot[k] = places_.get() + 2 * data_.stride + (3 + k) * size;
+      data_.v[k] = field(), data_.f[k] = field(), data_.g[k] = field(), data_.c[k] = field();
+      data_.acceleration[k] = acceleration[k] = field(), data_.normal[k] = normal[k] = field();
+      data_.rim[k] = rim[k] = field(), data_.lower[k] = field(), data_.pivot[k] = field();
+      data_.cells[k] = field();
+    }
+    for (int f = 0; f < 4; ++f) {
+      data_.stiffness[f] = stiffness[f] = field(), data_.faces[f] = faces_weight[f] = field();
+    }
+    data_.touch = field(), data_.mass = mass = field(), data_.inverse_mass = inverse_mass = field();
+    data_.friction = friction = field(), data_.adhesion = adhesion = field();
+    next -= 2 * data_.stride;
+    for (int k = 0; k < 3; ++k) {
+      data_.turned[k] = next, data_.turned_lower[k] = next + turned,
+      data_.turned_pivot[k] = next + 2 * turned;
+      next += 3 * turned;
+    }
+    data_.scratch = next;
+  }
+
+  bool usable_ = false;
+  Data data_{};
+  std::vector<Spot> springs_, faces_;
+  AlignedArray<T> block_;
+  AlignedArray<Place> places_;
+};
+
+}  // namespace softpoint::inline SOFTPOINT_ABI::cloth

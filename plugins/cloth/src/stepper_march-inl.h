@@ -1,0 +1,270 @@
+// A small step of a grid by many explicit ones: cheap enough to be so short that springs, rim and wrinkles
+// move by their own mass. Included by sweep_stepper.cpp only.
+
+// Whether small steps of this frame are to be taken so: over one bubble with air, the others open. Dry cloth
+// is left to the sweeps, whose energy never rises.
+template <class T>
+bool SweepStepper<T>::marches() {
+  march_pocket_ = -1;
+  if (in_->settings.march_step <= 0 || in_->pattern.columns == 0) return false;
+  int closed = 0;
+  for (std::size_t p = 0; p < in_->pockets.size(); ++p) {
+    if (in_->pockets[p].open) continue;
+    if (++closed > 1 || in_->pockets[p].air <= 0) return false;
+    march_pocket_ = static_cast<int>(p);
+  }
+  if (closed == 0) return false;
+  if (march_ == nullptr) march_ = std::make_unique<MarchGrid<T>>(in_->pattern);
+  return march_->usable();
+}
+
+// Whether this small step may be taken so. What moves by itself, is held between two planes or has a bubble
+// too stiff for explicit steps is left to the sweeps.
+template <class T>
+bool SweepStepper<T>::may_march() {
+  const double longest = in_->settings.march_step;
+  if (!marches() || march_off_ || planes_move_ || !wedges_.empty() || !strays_.empty()) return false;
+  march_count_ = static_cast<int>(std::ceil(h_ / longest - 1e-9));
+  const double h = h_ / march_count_;
+  march_share_ = 1.21 * h * (h + 2 * in_->fabric.damping_time) / 4;
+  // The stiffer the cloth the wider accelerations are smoothed; by no more than a sixteenth of its side.
+  const double side = std::min(march_->data().columns, march_->data().rows) - 1;
+  if (march_share_ * stiffest_ > kMostSmoothed * std::max(1.0, side * side / (49 * 49))) return false;
+  return true;
+}
+
+// All that is the same for the whole frame.
+template <class T>
+void SweepStepper<T>::load_march() {
+  using A = SweepArrays<T>;
+  MarchGrid<T>& grid = *march_;
+  for (std::size_t s = 0; s < in_->pattern.springs.size(); ++s) {
+    const double factor = in_->stiffness_factors.empty() ? 1.0 : in_->stiffness_factors[s];
+    grid.stiffness[grid.springs()[s].array][grid.springs()[s].at] =
+        static_cast<T>(factor * in_->pattern.springs[s].stiffness);
+  }
+  for (std::size_t f = 0; f < in_->pattern.faces.size(); ++f) {
+    const int pocket = in_->face_pocket.empty() ? -1 : in_->face_pocket[f];
+    const bool closed = pocket >= 0 && !in_->pockets[pocket].open;
+    grid.faces_weight[grid.faces()[f].array][grid.faces()[f].at] =
+        closed ? static_cast<T>(in_->pockets[pocket].side / 6) : T(0);
+  }
+  MarchData<T>& d = grid.data();
+  d.compression = static_cast<T>(in_->fabric.compression_ratio);
+  d.damping_time = static_cast<T>(in_->fabric.damping_time);
+  d.drag_rate = static_cast<T>(in_->fabric.drag_rate);
+  for (int p = 0; p < in_->pattern.point_count(); ++p) {
+    const int slot = in_->layout.slot_of[p];
+    const long at = grid.at(p);
+    grid.mass[at] = arrays_.field(A::kMass)[slot];
+    grid.inverse_mass[at] = T(1) / grid.mass[at];
+    const bool plane = !in_->contacts.empty() && in_->contacts[p].count > 0;
+    grid.friction[at] = plane ? arrays_.field(A::kFriction)[slot] : T(0);
+    grid.adhesion[at] = plane ? arrays_.field(A::kAdhesion)[slot] : T(0);
+    for (int k = 0; k < 3; ++k) {
+      grid.acceleration[k][at] = arrays_.field(A::kF + k)[slot];
+      grid.rim[k][at] = T(0);
+      grid.normal[k][at] = plane ? arrays_.field(A::kN + k)[slot] : T(0);
+    }
+  }
+  march_dirty_ = false;
+  march_feet_ = true;
+}
+
+// Positions and velocities. Where a position is the one left here, the digits that it lost are kept.
+template <class T>
+void SweepStepper<T>::load_motion() {
+  using A = SweepArrays<T>;
+  MarchGrid<T>& grid = *march_;
+  MarchData<T>& d = grid.data();
+  const int points = in_->pattern.point_count();
+  if constexpr (sizeof(T) == 4) {
+    T farthest = 0;
+    for (int k = 0; k < 3; ++k) {
+      const T* x = arrays_.field(A::kX + k);
+      for (int slot : in_->layout.slot_of) farthest = std::max(farthest, std::abs(x[slot]));
+    }
+    int exponent = 0;
+    std::frexp(farthest, &exponent);
+    const T unit = std::ldexp(T(1), exponent + 2 - 31);
+    if (march_fresh_ || !(unit <= d.unit && unit * 8 >= d.unit)) {
+      d.unit = 2 * unit, d.per_unit = 1 / d.unit;
+      march_fresh_ = march_feet_ = true;
+    }
+  } else {
+    d.unit = d.per_unit = 1;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const T *x = arrays_.field(A::kX + k), *w = arrays_.field(A::kW + k);
+    for (int p = 0; p < points; ++p) {
+      const int slot = in_->layout.slot_of[p];
+      const long at = grid.at(p);
+      d.v[k][at] = w[slot];
+      auto& place = d.x[k][at];
+      if (march_fresh_ || static_cast<T>(d.unit * static_cast<T>(place)) != x[slot])
+        place = place_of(x[slot]);
+    }
+  }
+  if (march_feet_ && has_planes_) {
+    for (int p = 0; p < points; ++p) {
+      const long at = grid.at(p);
+      if (in_->contacts[p].count == 0) continue;
+      const ContactPlane& plane = in_->contacts[p].planes[0];
+      const Vec3 x = local(in_->layout.slot_of[p]);
+      const Vec3 foot = x - plane.normal.dot(x - (plane.foot - origin_)) * plane.normal;
+      for (int k = 0; k < 3; ++k) grid.foot[k][at] = place_of(foot[k]);
+    }
+  }
+  for (int slot : rim_slots_) {
+    const long at = grid.at(in_->layout.point_of[slot]);
+    for (int k = 0; k < 3; ++k) grid.rim[k][at] = arrays_.field(A::kE + k)[slot];
+  }
+  march_fresh_ = march_feet_ = false;
+}
+
+template <class T>
+typename MarchPlace<T>::Type SweepStepper<T>::place_of(double x) const {
+  if constexpr (sizeof(T) == 4) {
+    return static_cast<int>(std::lrint(std::clamp(x / double(march_->data().unit), -1e9, 1e9)));
+  } else {
+    return x;
+  }
+}
+
+// Where a hand is at `time` after the start of the frame; cubic, as load_hands.
+template <class T>
+Vec3 SweepStepper<T>::hand_at(const Hand& hand, double time) const {
+  const double t = std::min(1.0, time / dt_);
+  const double b = t * t * (3 - 2 * t), c = t * (1 - t) * (1 - t), d = t * t * (t - 1);
+  return hand.from + b * (hand.to - hand.from) + dt_ * (c * hand.from_velocity + d * hand.to_velocity) -
+         origin_;
+}
+
+// False, with everything as it was, if the energy says that this was no way.
+template <class T>
+bool SweepStepper<T>::march() {
+  using A = SweepArrays<T>;
+  if (!may_march()) return false;
+  for (int k = 0; k < 3; ++k) {
+    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kS + k));
+    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kP + k));
+    std::copy_n(arrays_.field(A::kW + k), arrays_.slots, arrays_.field(A::kQ + k));
+  }
+  begin_air();
+  if (march_dirty_) load_march();
+  load_motion();
+  MarchData<T>& d = march_->data();
+  const double h = h_ / march_count_;
+  const T step = static_cast<T>(h);
+  for (int k = 0; k < 3; ++k) std::fill_n(d.c[k], d.rows * d.stride, T(0));
+  march_kernels_.factor(d, static_cast<T>(march_share_));
+  march_work_ = 0;
+  solve_gauge(march_pocket_, {});
+  for (Hand& hand : hands_) hand.impulse = Vec3::Zero();
+  for (int s = 0; s < march_count_; ++s) {
+    const T gauge = static_cast<T>(gauges_[march_pocket_]);
+    march_kernels_.push(d, s % kGradientEvery == 0 ? MarchAir::kMeasured : MarchAir::kKept, gauge, step);
+    if (s == 0 && !soft_air(h)) return false;
+    for (Hand& hand : hands_) {
+      const long at = march_->at(hand.point);
+      const Vec3 to = hand_at(hand, time_ + (s + 1) * h);
+      const double mass = d.mass[at];
+      for (int k = 0; k < 3; ++k) {
+        const double x = double(d.unit) * double(d.x[k][at]);
+        hand.change[k] = (to[k] - x) / h - double(d.v[k][at]);
+        hand.push[k] = mass / h * (hand.change[k] - double(d.f[k][at]));
+      }
+      const double size = hand.push.norm();
+      hand.holds = !hand.limited || size <= hand.max_force;
+      if (!hand.holds) hand.push *= hand.max_force / size;
+      for (int k = 0; k < 3; ++k) d.f[k][at] += static_cast<T>(h / mass * hand.push[k]);
+      hand.impulse += h * hand.push;
+    }
+    march_kernels_.smooth(d);
+    for (Hand& hand : hands_) {
+      const long at = march_->at(hand.point);
+      for (int k = 0; k < 3; ++k) {
+        if (hand.holds) d.f[k][at] = static_cast<T>(hand.change[k]);
+        march_work_ += h * hand.push[k] * (double(d.v[k][at]) + double(d.f[k][at]));
+      }
+    }
+    volumes_[march_pocket_] += h * march_kernels_.advance(d, step);
+    solve_gauge(march_pocket_, {});
+  }
+  const T part = T(1) / static_cast<T>(march_count_);
+  T* touch = arrays_.field(A::kTouch);
+  for (int p = 0; p < in_->pattern.point_count(); ++p) {
+    const int slot = in_->layout.slot_of[p];
+    const long at = march_->at(p);
+    touch[slot] = d.touch[at];
+    for (int k = 0; k < 3; ++k) {
+      arrays_.field(A::kX + k)[slot] = d.unit * static_cast<T>(d.x[k][at]);
+      arrays_.field(A::kW + k)[slot] = d.v[k][at];
+      arrays_.field(A::kC + k)[slot] = part * d.c[k][at];
+    }
+  }
+  for (const Hand& hand : hands_) {
+    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+  }
+  measure_volumes();
+  solve_gauge(march_pocket_, {});
+  fresh_ = true;
+  profile.marched += march_count_;
+  if (guard_march()) return true;
+  ++profile.march_refused;
+  march_off_ = march_fresh_ = true;
+  for (int k = 0; k < 3; ++k) {
+    std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
+    std::copy_n(arrays_.field(A::kQ + k), arrays_.slots, arrays_.field(A::kW + k));
+  }
+  return false;
+}
+
+// Whether a bubble's own frequency is low enough for steps of `h`.
+template <class T>
+bool SweepStepper<T>::soft_air(double h) const {
+  const MarchData<T>& d = march_->data();
+  const AirPocket& pocket = in_->pockets[march_pocket_];
+  const double volume = volumes_[march_pocket_];
+  if (!(volume > 0)) return false;
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    T part = 0;
+    for (long i = 0; i < d.rows * d.stride; ++i) part += d.g[k][i] * d.g[k][i] * d.inverse_mass[i];
+    sum += part;
+  }
+  return h * h * (pocket.ambient + gauges_[march_pocket_]) / volume * sum < 1;
+}
+
+// As guard(), of a small step that was marched: what it has too much is taken out of the velocities if it is
+// little, else the small step is refused.
+template <class T>
+bool SweepStepper<T>::guard_march() {
+  before_ = work_;
+  work_ += march_work_;
+  const bool last = time_ + 1.5 * h_ > dt_;
+  if (!in_->settings.guard) return true;
+  if (calm_ >= kCalm && ++unchecked_ < kCalmEvery && !last) {
+    ++profile.guard_skipped;
+    return true;
+  }
+  unchecked_ = 0;
+  ++profile.guard_checks;
+  const double rounding = sizeof(T) == 4 ? 1e-7 : 1e-13;
+  double kinetic = 0;
+  double energy = total_energy(&kinetic);
+  const double excess = energy - energy_ - work_ - rounding * (std::abs(energy_) + std::abs(work_));
+  calm_ = excess <= 0 ? calm_ + 1 : 0;
+  if (!(excess <= 0)) {
+    if (!(excess <= 0.5 * payable())) {
+      work_ = before_;
+      return false;
+    }
+    ++profile.guard_damped;
+    damp(excess);
+    energy = total_energy(&kinetic);
+  }
+  energy_ = energy;
+  work_ = 0;
+  return true;
+}
