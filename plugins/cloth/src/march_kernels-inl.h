@@ -55,22 +55,25 @@ SOFTPOINT_INLINE Pack<float> inverse_length(Pack<float> v) {
 }
 SOFTPOINT_INLINE Pack<double> inverse_length(Pack<double> v) { return inverse_root(v); }
 
-// Pulls of the springs of a family along the row that begins at `begin`, dampers included.
+// Pulls of the springs from the points of the row that begins at `begin`, dampers included.
 template <class T>
-SOFTPOINT_INLINE void row_springs(const MarchData<T>& d, int family, long offset, long begin, T* out,
-                                  long width) {
-  const T rest = d.rest[family];
+SOFTPOINT_INLINE void row_springs(const MarchData<T>& d, long begin, T* out, long width) {
+  const long offset[] = {1, d.stride, d.stride + 1, d.stride - 1};
   for (long i = 0; i < d.stride; i += Of<T>::lanes) {
     const long at = begin + i;
-    const Pack3<T> r = arm<T>(d, at, offset);
-    const Pack<T> square = dot<T>(r, r) + T(1e-30);
-    const Pack<T> inverse = inverse_length(square);
-    const Pack<T> stretch = square * inverse - rest;
-    const Pack<T> k = load(d.stiffness[family] + at);
-    const Pack<T> elastic = (stretch < T(0) ? k * d.compression : k) * stretch;
-    const Pack3<T> u = load3(d.v[0], d.v[1], d.v[2], at + offset) - load3(d.v[0], d.v[1], d.v[2], at);
-    const Pack<T> pull = fma(k * d.damping_time, dot<T>(u, r) * inverse, elastic) * inverse;
-    store3(out, out + width, out + 2 * width, i, scaled<T>(pull, r));
+    const Pack3<T> v = load3(d.v[0], d.v[1], d.v[2], at);
+    for (int family = 0; family < MarchData<T>::kFamilies; ++family) {
+      const Pack3<T> r = arm<T>(d, at, offset[family]);
+      const Pack<T> square = dot<T>(r, r) + T(1e-30);
+      const Pack<T> inverse = inverse_length(square);
+      const Pack<T> stretch = square * inverse - d.rest[family];
+      const Pack<T> k = load(d.stiffness[family] + at);
+      const Pack<T> elastic = (stretch < T(0) ? k * d.compression : k) * stretch;
+      const Pack3<T> u = load3(d.v[0], d.v[1], d.v[2], at + offset[family]) - v;
+      const Pack<T> pull = fma(k * d.damping_time, dot<T>(u, r) * inverse, elastic) * inverse;
+      T* to = out + 3 * family * width;
+      store3(to, to + width, to + 2 * width, i, scaled<T>(pull, r));
+    }
   }
 }
 
@@ -130,15 +133,13 @@ template <class T>
 void push(const MarchData<T>& given, MarchAir air, T gauge, T h) {
   const MarchData<T> d = given;  // of which no store can be suspected to change the pointers
   constexpr int kArrays = MarchData<T>::kRowArrays, kSprings = 3 * MarchData<T>::kFamilies;
-  const long s = d.stride, width = s + MarchData<T>::kPadding, offset[] = {1, s, s + 1, s - 1};
+  const long s = d.stride, width = s + MarchData<T>::kPadding;
   T* here = d.scratch + kMarchLanes;
   T* below = here + kArrays * width;
   for (long i = -kMarchLanes; i < kArrays * width - kMarchLanes; ++i) below[i] = T(0);
   for (long row = 0; row < d.rows; ++row) {
     const long begin = row * s;
-    for (int f = 0; f < MarchData<T>::kFamilies; ++f) {
-      row_springs<T>(d, f, offset[f], begin, here + 3 * f * width, width);
-    }
+    row_springs<T>(d, begin, here, width);
     T* const cells = here + kSprings * width;
     const T* const cells_below = below + kSprings * width;
     if (air == MarchAir::kMeasured) row_cells<T>(d, begin, cells, width);

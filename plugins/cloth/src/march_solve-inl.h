@@ -24,15 +24,15 @@ SOFTPOINT_INLINE void turn(const T* from, long from_stride, long rows, long colu
   }
 }
 
-// `lower` holds what couples each line with the next one; it becomes the factor L of (1 + D) = L P^-1 L^T,
-// less its signs, beside P.
+// `lower` holds what couples each line with the next one; with `pivot` it becomes the factor of
+// (1 + D) = C C^T: pivots are the inverse of C's diagonal, `lower` the rest of it less its signs.
 template <class T>
 SOFTPOINT_INLINE void factor_lines(T* lower, T* pivot, long lines, long stride) {
   for (long i = 0; i < stride; i += Of<T>::lanes) {
     Pack<T> before{}, inverse{};
     for (long line = 0; line < lines; ++line) {
       const Pack<T> after = load(lower + line * stride + i), left = before * inverse;
-      inverse = T(1) / (T(1) + after + before - before * left);
+      inverse = T(1) / sqrt(T(1) + after + before - left * left);
       store(lower + line * stride + i, left);
       store(pivot + line * stride + i, inverse);
       before = after;
@@ -40,38 +40,28 @@ SOFTPOINT_INLINE void factor_lines(T* lower, T* pivot, long lines, long stride) 
   }
 }
 
-// The two halves of a solve by L P^-1 L^T: a <- L^-1 a, a <- L^-T P a; three right sides at once, so that one
-// does not wait for the other. `scale` is P, or its root where P is shared between the halves.
+// a <- C^-1 a and a <- C^-T a; line after line, so that many right sides go along at once.
 template <class T>
-SOFTPOINT_INLINE void solve_down(T* const* a, T* const* lower, T* const* scale, long lines, long stride) {
-  constexpr int kPacks = kMarchLanes / Of<T>::lanes;
-  for (long first = 0; first < stride; first += kMarchLanes) {
-    Pack<T> last[3][kPacks] = {};
-    for (long line = 0; line < lines; ++line) {
-      for (int k = 0; k < 3; ++k) {
-        for (int p = 0; p < kPacks; ++p) {
-          const long at = line * stride + first + p * Of<T>::lanes;
-          last[k][p] = fma(load(lower[k] + at), last[k][p], load(a[k] + at));
-          store(a[k] + at, scale == nullptr ? last[k][p] : load(scale[k] + at) * last[k][p]);
-        }
-      }
+SOFTPOINT_INLINE void solve_down(T* const* a, T* const* lower, T* const* pivot, long lines, long stride) {
+  for (long i = 0; i < stride; i += Of<T>::lanes) {
+    for (int k = 0; k < 3; ++k) store(a[k] + i, load(pivot[k] + i) * load(a[k] + i));
+  }
+  for (long i = stride; i < lines * stride; i += Of<T>::lanes) {
+    for (int k = 0; k < 3; ++k) {
+      const Pack<T> sum = fma(load(lower[k] + i), load(a[k] + i - stride), load(a[k] + i));
+      store(a[k] + i, load(pivot[k] + i) * sum);
     }
   }
 }
 template <class T>
-SOFTPOINT_INLINE void solve_up(T* const* a, T* const* lower, T* const* scale, long lines, long stride) {
-  constexpr int kPacks = kMarchLanes / Of<T>::lanes;
-  for (long first = 0; first < stride; first += kMarchLanes) {
-    Pack<T> last[3][kPacks] = {}, factor[3][kPacks] = {};
-    for (long line = lines - 1; line >= 0; --line) {
-      for (int k = 0; k < 3; ++k) {
-        for (int p = 0; p < kPacks; ++p) {
-          const long at = line * stride + first + p * Of<T>::lanes;
-          last[k][p] = fma(factor[k][p], last[k][p], load(scale[k] + at) * load(a[k] + at));
-          factor[k][p] = load(lower[k] + at);
-          store(a[k] + at, last[k][p]);
-        }
-      }
+SOFTPOINT_INLINE void solve_up(T* const* a, T* const* lower, T* const* pivot, long lines, long stride) {
+  for (long i = (lines - 1) * stride; i < lines * stride; i += Of<T>::lanes) {
+    for (int k = 0; k < 3; ++k) store(a[k] + i, load(pivot[k] + i) * load(a[k] + i));
+  }
+  for (long i = (lines - 1) * stride - Of<T>::lanes; i >= 0; i -= Of<T>::lanes) {
+    for (int k = 0; k < 3; ++k) {
+      const Pack<T> sum = fma(load(lower[k] + i + stride), load(a[k] + i + stride), load(a[k] + i));
+      store(a[k] + i, load(pivot[k] + i) * sum);
     }
   }
 }
@@ -110,7 +100,6 @@ void factor(const MarchData<T>& given, T share) {
   for (int k = 0; k < 3; ++k) {
     turn(d.f[k], s, d.rows, d.columns, d.turned_lower[k], d.turned_stride);
     factor_lines(d.lower[k], d.pivot[k], d.rows, s);
-    for (long i = 0; i < count; i += Of<T>::lanes) store(d.pivot[k] + i, sqrt(load(d.pivot[k] + i)));
     factor_lines(d.turned_lower[k], d.turned_pivot[k], d.columns, d.turned_stride);
   }
 }
@@ -122,8 +111,7 @@ void smooth(const MarchData<T>& given) {
   const MarchData<T> d = given;
   solve_down<T>(d.f, d.lower, d.pivot, d.rows, d.stride);
   for (int k = 0; k < 3; ++k) turn(d.f[k], d.stride, d.rows, d.columns, d.turned[k], d.turned_stride);
-  T* const* const none = nullptr;
-  solve_down<T>(d.turned, d.turned_lower, none, d.columns, d.turned_stride);
+  solve_down<T>(d.turned, d.turned_lower, d.turned_pivot, d.columns, d.turned_stride);
   solve_up<T>(d.turned, d.turned_lower, d.turned_pivot, d.columns, d.turned_stride);
   for (int k = 0; k < 3; ++k) turn(d.turned[k], d.turned_stride, d.columns, d.rows, d.f[k], d.stride);
   solve_up<T>(d.f, d.lower, d.pivot, d.rows, d.stride);
