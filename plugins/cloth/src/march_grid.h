@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -29,6 +30,7 @@ class MarchGrid {
   // Whether the pattern is a plain grid: springs to eight neighbours, equally long in each family, no
   // bending.
   bool usable() const { return usable_; }
+  double area() const { return area_; }  // m2, at rest
   long at(int point) const { return point / data_.columns * data_.stride + point % data_.columns; }
   const std::vector<Spot>& springs() const { return springs_; }
   const std::vector<Spot>& faces() const { return faces_; }
@@ -41,6 +43,12 @@ class MarchGrid {
   Place* foot[3];
 
  private:
+  static double face_area(const ClothPattern& pattern, const Triangle& face) {
+    const Vec3 a = pattern.points[face[1]] - pattern.points[face[0]];
+    const Vec3 b = pattern.points[face[2]] - pattern.points[face[0]];
+    return std::sqrt(std::max(0.0, a.squaredNorm() * b.squaredNorm() - a.dot(b) * a.dot(b))) / 2;
+  }
+
   bool place(const ClothPattern& pattern) {
     data_.columns = pattern.columns, data_.rows = pattern.rows;
     data_.stride = data_.columns / kMarchLanes * kMarchLanes + kMarchLanes;
@@ -80,6 +88,7 @@ class MarchGrid {
       }
       if (spot.array < 0) return false;
       faces_.push_back(spot);
+      area_ += face_area(pattern, face);
     }
     return true;
   }
@@ -119,6 +128,7 @@ class MarchGrid {
   }
 
   bool usable_ = false;
+  double area_ = 0;
   Data data_{};
   std::vector<Spot> springs_, faces_;
   AlignedArray<T> block_;

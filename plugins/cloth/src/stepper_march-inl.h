@@ -15,7 +15,13 @@ bool SweepStepper<T>::marches() {
   }
   if (closed == 0) return false;
   if (march_ == nullptr) march_ = std::make_unique<MarchGrid<T>>(in_->pattern);
-  return march_->usable();
+  if (!march_->usable()) return false;
+  // As soft_air, before anything is measured: flat, at ambient pressure.
+  double mass = 0;
+  for (double of_point : in_->masses) mass += of_point;
+  const AirPocket& pocket = in_->pockets[march_pocket_];
+  const double step = in_->settings.march_step * march_->area() * pocket.ambient;
+  return step * step < mass * pocket.air;
 }
 
 // Whether this small step may be taken so. What moves by itself, is held between two planes or has a bubble
@@ -23,7 +29,7 @@ bool SweepStepper<T>::marches() {
 template <class T>
 bool SweepStepper<T>::may_march() {
   const double longest = in_->settings.march_step;
-  if (!marches() || march_off_ || planes_move_ || !wedges_.empty() || !strays_.empty()) return false;
+  if (!marches_ || march_off_ || planes_move_ || !wedges_.empty() || !strays_.empty()) return false;
   march_count_ = static_cast<int>(std::ceil(h_ / longest - 1e-9));
   const double h = h_ / march_count_;
   march_share_ = 1.21 * h * (h + 2 * in_->fabric.damping_time) / 4;
@@ -145,11 +151,6 @@ template <class T>
 bool SweepStepper<T>::march() {
   using A = SweepArrays<T>;
   if (!may_march()) return false;
-  for (int k = 0; k < 3; ++k) {
-    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kS + k));
-    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kP + k));
-    std::copy_n(arrays_.field(A::kW + k), arrays_.slots, arrays_.field(A::kQ + k));
-  }
   begin_air();
   if (march_dirty_) load_march();
   load_motion();
@@ -164,7 +165,10 @@ bool SweepStepper<T>::march() {
   for (int s = 0; s < march_count_; ++s) {
     const T gauge = static_cast<T>(gauges_[march_pocket_]);
     march_kernels_.push(d, s % kGradientEvery == 0 ? MarchAir::kMeasured : MarchAir::kKept, gauge, step);
-    if (s == 0 && !soft_air(h)) return false;
+    if (s == 0 && !soft_air(h)) {
+      march_off_ = true;  // nothing was changed yet
+      return false;
+    }
     for (Hand& hand : hands_) {
       const long at = march_->at(hand.point);
       const Vec3 to = hand_at(hand, time_ + (s + 1) * h);
@@ -190,6 +194,11 @@ bool SweepStepper<T>::march() {
     }
     volumes_[march_pocket_] += h * march_kernels_.advance(d, step);
     solve_gauge(march_pocket_, {});
+  }
+  for (int k = 0; k < 3; ++k) {
+    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kS + k));
+    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kP + k));
+    std::copy_n(arrays_.field(A::kW + k), arrays_.slots, arrays_.field(A::kQ + k));
   }
   const T part = T(1) / static_cast<T>(march_count_);
   T* touch = arrays_.field(A::kTouch);

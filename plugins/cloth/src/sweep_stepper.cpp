@@ -113,11 +113,10 @@ int SweepStepper<T>::begin_frame(double dt) {
       fastest = std::max(fastest, std::abs(contacts.planes[k].velocity.dot(contacts.planes[k].normal)));
     }
   }
-  const bool by_explicit_steps = marches();
+  marches_ = marches();
   const double rate = turn_rate();
   rounds_ = static_cast<int>(std::clamp(rate / kRoundTurn, 1.0, double(kMostRounds)));
-  double wanted =
-      dt / dial.max_substep * (by_explicit_steps ? 0.5 : std::clamp(rate / kCalmTurn, 1.0, kMostTurns));
+  double wanted = dt / dial.max_substep * (marches_ ? 0.5 : std::clamp(rate / kCalmTurn, 1.0, kMostTurns));
   if (dial.max_move > 0) wanted = std::max(wanted, fastest * dt / (dial.max_move * in_->pattern.spacing));
   const int count = static_cast<int>(std::ceil(std::clamp(wanted - 1e-9, 1.0, double(dial.max_substeps))));
   h_ = dt / count;

@@ -183,6 +183,7 @@ class SweepStepper final : public ClothStepper {
   const MarchKernels<T>& march_kernels_;
   std::unique_ptr<MarchGrid<T>> march_;
   bool march_dirty_ = true, march_fresh_ = true, march_feet_ = true, march_off_ = false;
+  bool marches_ = false;  // in this frame
   bool marched_ = false;  // this small step
   int march_count_ = 0, march_pocket_ = -1;
   double march_share_ = 0, march_work_ = 0;
