@@ -38,15 +38,10 @@ const SweepKernels<double>& sweep_kernels<double>() {
 template <class T>
 const MarchKernels<T>& march_kernels();
 const MarchKernelTable& march_kernels_of_machine() {
-  switch (best_instruction_set()) {
-    case InstructionSet::kAvx512:
-      return *march_kernels_avx512();
-    case InstructionSet::kAvx2:
-      return *march_kernels_avx2();
-    case InstructionSet::kBaseline:
-      break;
-  }
-  return *march_kernels_baseline();
+  const InstructionSet set = best_instruction_set();
+  return set == InstructionSet::kAvx512 ? *march_kernels_avx512()
+         : set == InstructionSet::kAvx2 ? *march_kernels_avx2()
+                                        : *march_kernels_baseline();
 }
 template <>
 const MarchKernels<float>& march_kernels<float>() {
