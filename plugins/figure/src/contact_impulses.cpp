@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
+namespace {
+
+constexpr double kLeastMobility = 1e-12;  // 1/kg
+
+}  // namespace
+
 ContactImpulses::ContactImpulses(const FigureModel& model, int sweeps, double settled)
     : placer_(model),
       sweeps_(sweeps),
@@ -63,6 +69,7 @@ void ContactImpulses::solve(FigureDynamics& dynamics, const double* q, double fr
       Mat3 own;
       for (std::size_t k = 0; k < 3; ++k) own.col(static_cast<int>(k)) = mobility_[(3 * j + k) * m + j];
       const Vec3& n = contacts[j].normal;
+      if (!(n.dot(own * n) > kLeastMobility)) continue;  // nothing that could give way
       const Vec3 before = impulses_[j];
       double along = before.dot(n);
       Vec3 across = before - along * n;

@@ -55,7 +55,7 @@ struct __attribute__((visibility("hidden"))) ArticulatedController::Impl {
   std::vector<btRigidBody*> shown;  // the bodies,
   std::vector<int> links;           // their links, -1 for what is not pushed back
   std::vector<char> wanted, now;    // per link: dynamic by set_dynamic(); all in all
-  std::vector<double> rates, mean, by;
+  std::vector<double> rates, mean, by, answer;
   FigureState before;  // a push
   bool pressed = false;
 };

@@ -51,8 +51,17 @@ void ArticulatedController::Impl::choose() {
 
 // What the contacts give for the rates `speed`, which take it on; both sides of it.
 void ArticulatedController::Impl::strike(double when, const FigureState& at, std::vector<double>& speed) {
-  impulses.solve(figure.prepare(at, when), at.q.data(), 0, touches.contacts(), speed.data(),
+  answer = speed;
+  impulses.solve(figure.prepare(at, when), at.q.data(), 0, touches.contacts(), answer.data(),
                  touches.others());
+  const auto finite = [](const auto& v) { return v.allFinite(); };
+  const bool sound = std::all_of(impulses.impulses().begin(), impulses.impulses().end(), finite) &&
+                     std::all_of(answer.begin(), answer.end(), [](double x) { return std::isfinite(x); });
+  if (!sound) {  // left out, on both sides
+    ++counts.guard_fired;
+    return;
+  }
+  speed = answer;
   touches.push_back(impulses.impulses());
   for (std::size_t i = 0; i < touches.contacts().size(); ++i) {
     const Vec3& p = impulses.impulses()[i];
@@ -124,12 +133,13 @@ void ArticulatedController::Impl::advance(double dt) {
     figure.step(dt);
     return;
   }
+  const long long guarded = figure.guard_fired();
   touches.gather(world, shown, links);
   counts.contacts += static_cast<long long>(touches.contacts().size());
   const int parts = std::max(1, static_cast<int>(std::ceil(dt / settings.max_step - 1e-9)));
   for (int k = 0; k < parts; ++k) advance_part(dt / parts);
   if (!touches.empty()) push_out();
-  counts.guard_fired = figure.guard_fired();
+  counts.guard_fired += figure.guard_fired() - guarded;
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

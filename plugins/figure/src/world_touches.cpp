@@ -1,6 +1,7 @@
 #include "world_touches.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
@@ -44,6 +45,9 @@ void WorldTouches::gather(btCollisionWorld& world, const std::vector<btRigidBody
       contact.link = std::max(first, second);
       contact.point = from_world(first >= 0 ? at.getPositionWorldOnA() : at.getPositionWorldOnB());
       contact.normal = (first >= 0 ? 1 : -1) * from_world(at.m_normalWorldOnB).normalized();
+      const bool sound =
+          contact.normal.norm() > 0.5 && contact.point.allFinite();  // Bullet's may be degenerate
+      if (!sound || !std::isfinite(static_cast<double>(at.getDistance()))) continue;
       contact.friction = static_cast<double>(at.m_combinedFriction);
       if (body != nullptr) contact.other = index_of(body);
       contacts_.push_back(contact);
