@@ -1,5 +1,7 @@
 #include "softpoint/core/deformable.h"
 
+#include <BulletSoftBody/btSoftBodySolvers.h>
+
 
 #include <algorithm>
 #include <cmath>
