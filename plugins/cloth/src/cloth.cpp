@@ -293,6 +293,13 @@ void Cloth::archive_state(StateArchive& archive) {
   archive.number("solver.max_substep", s.design.solver.max_substep, kMinSubstep, 1.0);
   archive.vector("wind", s.wind);
   archive.integer("solver.calm", s.solver.guard_calm(), 0, 2147483647);
+  archive.list("solver.gauges", s.solver.first_gauges(), static_cast<long long>(s.wet.faces.size()),
+               [&](double& gauge) { archive.number("solver.gauge", gauge); });
+  for (int p = 0; p < static_cast<int>(positions_.size()); ++p) {
+    int state = s.solver.touch_state(p);
+    archive.integer("solver.touch", state, 0, 2);
+    if (archive.loading()) s.solver.set_touch_state(p, state);
+  }
   s.finder.archive(archive);
   s.self.archive(archive, static_cast<int>(positions_.size()));
   archive.list("targets", s.last_targets, static_cast<long long>(1) << 40, [&](State::LastTarget& last) {

@@ -81,6 +81,12 @@ void ClothSolver::set_air(std::span<const int> face_pocket, std::span<const AirP
 }
 
 int& ClothSolver::guard_calm() { return stepper_->calm(); }
+
+std::vector<double>& ClothSolver::first_gauges() { return stepper_->gauges(); }
+
+int ClothSolver::touch_state(int point) const { return stepper_->touch_state(point); }
+
+void ClothSolver::set_touch_state(int point, int state) { stepper_->set_touch_state(point, state); }
 int ClothSolver::begin_frame(double dt) { return stepper_->begin_frame(dt); }
 void ClothSolver::substep() { stepper_->substep(); }
 void ClothSolver::end_frame() { stepper_->end_frame(); }

@@ -86,6 +86,11 @@ class ClothSolver {
   // Fair checks of the energy guard in a row: with positions and velocities set before each frame, all that
   // the next frame depends on besides. For snapshots.
   int& guard_calm();
+  // For snapshots, of the end of the last small step, from which the next one goes on: pressures of the
+  // pockets (Pa); whether a point was off (0), stuck (1) or slid (2).
+  std::vector<double>& first_gauges();
+  int touch_state(int point) const;
+  void set_touch_state(int point, int state);
   // How many substeps a step of `dt` (s) wants with the hands and contacts as they are.
   int begin_frame(double dt);
   void substep();

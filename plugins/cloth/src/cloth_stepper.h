@@ -44,8 +44,12 @@ class ClothStepper {
   virtual void hands_changed() = 0;
   virtual void air_changed() = 0;
 
-  // Fair checks of the energy in a row: all that a frame begun anew remembers of the ones before.
+  // All that a frame begun anew remembers of the ones before, for snapshots: fair checks of the energy in a
+  // row, pressures of the pockets (Pa), and whether a point was off (0), stuck (1) or slid (2).
   virtual int& calm() = 0;
+  virtual std::vector<double>& gauges() = 0;
+  virtual int touch_state(int point) const = 0;
+  virtual void set_touch_state(int point, int state) = 0;
   virtual int begin_frame(double dt) = 0;
   virtual void substep() = 0;
   virtual void end_frame() = 0;

@@ -28,6 +28,13 @@ class SweepStepper final : public ClothStepper {
   void air_changed() override { air_dirty_ = true; }
 
   int& calm() override { return calm_; }
+  std::vector<double>& gauges() override { return gauges_; }
+  int touch_state(int point) const override {
+    return static_cast<int>(arrays_.field(SweepArrays<T>::kTouch)[in_->layout.slot_of[point]]);
+  }
+  void set_touch_state(int point, int state) override {
+    arrays_.field(SweepArrays<T>::kTouch)[in_->layout.slot_of[point]] = static_cast<T>(state);
+  }
   int begin_frame(double dt) override;
   void substep() override;
   void end_frame() override;
