@@ -309,7 +309,7 @@ TEST(ControllerDynamics, RandomHandoversInAWorldStayFinite) {
     room.box(btVector3(0.15, 0.15, 0.15), 1 + 10 * k, btVector3(0.3 * k - 0.4, 0.2, 0.3));
   ArticulatedController controller(room.world, *animation);
   RandomFigures random(17);
-  const int steps = by_tier(100000, 1500, 100);
+  const int steps = by_tier(100000, 1500, 1000);
   for (int k = 0; k < steps; ++k) {
     if (random.below(10) == 0) controller.hand_over(random.below(model.link_count()), random.coin());
     if (random.below(400) == 0) {  // everything back to the beginning
