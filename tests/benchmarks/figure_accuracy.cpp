@@ -30,18 +30,10 @@ struct Task {
 Task humanoid_flight() {
   const auto rows = read_rows("out_own_r3_humanoid_spin.csv");
   const FigureModel model = read_amdl_file(data_file("mjhum27.amdl"));
-  const auto at = [&](const std::vector<double>& row) {
-    FigureState state = rest_state(model);
-    std::copy_n(&row[5], 3, &state.q[0]);
-    std::copy_n(&row[1], 4, &state.q[3]);
-    std::copy_n(&row[14], 21, &state.q[7]);
-    std::copy_n(&row[8], 6, &state.qd[0]);
-    std::copy_n(&row[35], 21, &state.qd[6]);
-    return state;
-  };
   std::size_t last = 0;
   while (last + 1 < rows.size() && rows[last][0] < 1 - 1e-9) ++last;
-  return {"humanoid in flight; 1 s", model, at(rows[0]), at(rows[last]).q, rows[last][0], false};
+  return {"humanoid in flight; 1 s",           model,         humanoid_state(model, rows[0]),
+          humanoid_state(model, rows[last]).q, rows[last][0], false};
 }
 
 // A double pendulum that strikes its stops for 3 s.

@@ -40,13 +40,7 @@ double joints(const FigureStepper& s, const std::vector<double>& row) {
 
 FigureStepper humanoid(Integrator integrator, const std::vector<double>& row) {
   const FigureModel model = read_amdl_file(data_file("mjhum27.amdl"));
-  FigureState state = rest_state(model);
-  std::copy_n(&row[5], 3, &state.q[0]);
-  std::copy_n(&row[1], 4, &state.q[3]);
-  std::copy_n(&row[14], 21, &state.q[7]);
-  std::copy_n(&row[8], 6, &state.qd[0]);
-  std::copy_n(&row[35], 21, &state.qd[6]);
-  return {model, state, integrator};
+  return {model, humanoid_state(model, row), integrator};
 }
 double pose(const FigureStepper& s, const std::vector<double>& row) {
   const double* q = s.state().q.data();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -30,6 +31,17 @@ inline std::vector<std::vector<double>> read_rows(const std::string& name) {
     for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(std::stod(cell));
   }
   return rows;
+}
+
+// The state that a row of a reference with the humanoid of mjhum27.amdl holds.
+inline FigureState humanoid_state(const FigureModel& model, const std::vector<double>& row) {
+  FigureState state = rest_state(model);
+  std::copy_n(&row[5], 3, &state.q[0]);
+  std::copy_n(&row[1], 4, &state.q[3]);
+  std::copy_n(&row[14], 21, &state.q[7]);
+  std::copy_n(&row[8], 6, &state.qd[0]);
+  std::copy_n(&row[35], 21, &state.qd[6]);
+  return state;
 }
 
 // Trees of all kinds of joints, with armatures, friction and links fixed to others.
