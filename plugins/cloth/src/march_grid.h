@@ -21,7 +21,8 @@ class MarchGrid {
     long at;
   };
 
-  explicit MarchGrid(const ClothPattern& pattern) {
+  // For kernels of vectors of `bytes`.
+  MarchGrid(const ClothPattern& pattern, int bytes) : lanes_(bytes / static_cast<int>(sizeof(T))) {
     usable_ = pattern.columns >= 2 && pattern.rows >= 2 && pattern.bends.empty() &&
               pattern.columns * pattern.rows == pattern.point_count() && place(pattern);
     if (usable_) allocate();
@@ -37,6 +38,11 @@ class MarchGrid {
 
   const Data& data() const { return data_; }
   Data& data() { return data_; }
+  // Springs and faces by the unit of places, of which kernels count.
+  void set_unit(T unit) {
+    data_.unit = unit, data_.per_unit = 1 / unit;
+    for (int f = 0; f < Data::kFamilies; ++f) data_.rest[f] = static_cast<T>(rest_[f] / unit);
+  }
   // What the kernels only read.
   T *mass = nullptr, *inverse_mass = nullptr, *friction = nullptr, *adhesion = nullptr;
   T *acceleration[3], *stiffness[4], *normal[3], *faces_weight[4], *rim[3];
@@ -51,11 +57,10 @@ class MarchGrid {
 
   bool place(const ClothPattern& pattern) {
     data_.columns = pattern.columns, data_.rows = pattern.rows;
-    data_.stride = data_.columns / kMarchLanes * kMarchLanes + kMarchLanes;
-    data_.turned_stride = (data_.rows + kMarchLanes - 1) / kMarchLanes * kMarchLanes;
+    data_.stride = data_.columns / lanes_ * lanes_ + lanes_;
+    data_.turned_stride = (data_.rows + lanes_ - 1) / lanes_ * lanes_;
     const auto column = [&](int p) { return p % pattern.columns; };
     const auto row = [&](int p) { return p / pattern.columns; };
-    double rest[4] = {0, 0, 0, 0};
     for (const Spring& spring : pattern.springs) {
       const int dx = column(spring.b) - column(spring.a), dy = row(spring.b) - row(spring.a);
       const int family = dy == 0 && dx == 1    ? 0
@@ -64,11 +69,12 @@ class MarchGrid {
                          : dy == 1 && dx == -1 ? 3
                                                : -1;
       if (family < 0) return false;
-      if (rest[family] == 0) rest[family] = spring.rest;
-      if (std::abs(spring.rest - rest[family]) > 1e-9 * rest[family]) return false;
+      if (rest_[family] == 0) rest_[family] = spring.rest;
+      if (std::abs(spring.rest - rest_[family]) > 1e-9 * rest_[family]) return false;
       springs_.push_back({family, at(spring.a)});
     }
-    for (int f = 0; f < 4; ++f) data_.rest[f] = static_cast<T>(rest[f] > 0 ? rest[f] : 1);
+    for (double& rest : rest_) rest = rest > 0 ? rest : 1;
+    set_unit(T(1));
     for (const Triangle& face : pattern.faces) {
       int left = face[0], low = face[0];
       for (int p : face) {
@@ -87,6 +93,7 @@ class MarchGrid {
         }
       }
       if (spot.array < 0) return false;
+      data_.crossed = data_.crossed || spot.array >= 2;
       faces_.push_back(spot);
       area_ += face_area(pattern, face);
     }
@@ -94,9 +101,11 @@ class MarchGrid {
   }
 
   void allocate() {
-    const long size = (data_.rows + 8) * data_.stride, turned = (data_.columns + 8) * data_.turned_stride;
+    const long more = 4 + kMarchLanes;  // rows of zeros, for those that are turned together
+    const long size = (data_.rows + more) * data_.stride,
+               turned = (data_.columns + more) * data_.turned_stride;
     const long scratch = 2 * Data::kRowArrays * (data_.stride + Data::kPadding) + 64;
-    constexpr long kFields = 44, kTurned = 9;
+    constexpr long kFields = 48, kTurned = 9;
     block_ = aligned_zeros<T>(kFields * size + kTurned * turned + scratch);
     places_ = aligned_zeros<Place>(6 * size);
     T* next = block_.get() + 2 * data_.stride;
@@ -115,6 +124,7 @@ class MarchGrid {
     }
     for (int f = 0; f < 4; ++f) {
       data_.stiffness[f] = stiffness[f] = field(), data_.faces[f] = faces_weight[f] = field();
+      data_.length[f] = field();
     }
     data_.touch = field(), data_.mass = mass = field(), data_.inverse_mass = inverse_mass = field();
     data_.friction = friction = field(), data_.adhesion = adhesion = field();
@@ -127,7 +137,9 @@ class MarchGrid {
     data_.scratch = next;
   }
 
+  int lanes_;
   bool usable_ = false;
+  double rest_[4] = {0, 0, 0, 0};  // m
   double area_ = 0;
   Data data_{};
   std::vector<Spot> springs_, faces_;

@@ -111,11 +111,21 @@ SOFTPOINT_INLINE double sum(Pack<T> v) {
 }
 template <class T>
 SOFTPOINT_INLINE bool any(Mask<T> m) {
+#if SOFTPOINT_KERNEL_BYTES == 64
+  const __m512i bits = reinterpret_cast<__m512i>(m);
+  return _mm512_test_epi64_mask(bits, bits) != 0;
+#elif SOFTPOINT_KERNEL_BYTES == 32
+  const __m256i bits = reinterpret_cast<__m256i>(m);
+  return _mm256_testz_si256(bits, bits) == 0;
+#elif defined(__SSE2__)
+  return _mm_movemask_epi8(reinterpret_cast<__m128i>(m)) != 0;
+#else
   typedef long long Words __attribute__((vector_size(SOFTPOINT_KERNEL_BYTES)));
   const Words w = reinterpret_cast<Words>(m);
   long long all = 0;
   for (int i = 0; i < SOFTPOINT_KERNEL_BYTES / 8; ++i) all |= w[i];
   return all != 0;
+#endif
 }
 
 template <class T>

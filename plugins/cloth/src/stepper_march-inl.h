@@ -14,7 +14,7 @@ bool SweepStepper<T>::marches() {
     march_pocket_ = static_cast<int>(p);
   }
   if (closed == 0) return false;
-  if (march_ == nullptr) march_ = std::make_unique<MarchGrid<T>>(in_->pattern);
+  if (march_ == nullptr) march_ = std::make_unique<MarchGrid<T>>(in_->pattern, march_bytes_);
   if (!march_->usable()) return false;
   // As soft_air, before anything is measured: flat, at ambient pressure.
   double mass = 0;
@@ -39,104 +39,6 @@ bool SweepStepper<T>::may_march() {
   return true;
 }
 
-// All that is the same for the whole frame.
-template <class T>
-void SweepStepper<T>::load_march() {
-  using A = SweepArrays<T>;
-  MarchGrid<T>& grid = *march_;
-  for (std::size_t s = 0; s < in_->pattern.springs.size(); ++s) {
-    const double factor = in_->stiffness_factors.empty() ? 1.0 : in_->stiffness_factors[s];
-    grid.stiffness[grid.springs()[s].array][grid.springs()[s].at] =
-        static_cast<T>(factor * in_->pattern.springs[s].stiffness);
-  }
-  for (std::size_t f = 0; f < in_->pattern.faces.size(); ++f) {
-    const int pocket = in_->face_pocket.empty() ? -1 : in_->face_pocket[f];
-    const bool closed = pocket >= 0 && !in_->pockets[pocket].open;
-    grid.faces_weight[grid.faces()[f].array][grid.faces()[f].at] =
-        closed ? static_cast<T>(in_->pockets[pocket].side / 6) : T(0);
-  }
-  MarchData<T>& d = grid.data();
-  d.compression = static_cast<T>(in_->fabric.compression_ratio);
-  d.damping_time = static_cast<T>(in_->fabric.damping_time);
-  d.drag_rate = static_cast<T>(in_->fabric.drag_rate);
-  for (int p = 0; p < in_->pattern.point_count(); ++p) {
-    const int slot = in_->layout.slot_of[p];
-    const long at = grid.at(p);
-    grid.mass[at] = arrays_.field(A::kMass)[slot];
-    grid.inverse_mass[at] = T(1) / grid.mass[at];
-    const bool plane = !in_->contacts.empty() && in_->contacts[p].count > 0;
-    grid.friction[at] = plane ? arrays_.field(A::kFriction)[slot] : T(0);
-    grid.adhesion[at] = plane ? arrays_.field(A::kAdhesion)[slot] : T(0);
-    for (int k = 0; k < 3; ++k) {
-      grid.acceleration[k][at] = arrays_.field(A::kF + k)[slot];
-      grid.rim[k][at] = T(0);
-      grid.normal[k][at] = plane ? arrays_.field(A::kN + k)[slot] : T(0);
-    }
-  }
-  march_dirty_ = false;
-  march_feet_ = true;
-}
-
-// Positions and velocities. Where a position is the one left here, the digits that it lost are kept.
-template <class T>
-void SweepStepper<T>::load_motion() {
-  using A = SweepArrays<T>;
-  MarchGrid<T>& grid = *march_;
-  MarchData<T>& d = grid.data();
-  const int points = in_->pattern.point_count();
-  if constexpr (sizeof(T) == 4) {
-    T farthest = 0;
-    for (int k = 0; k < 3; ++k) {
-      const T* x = arrays_.field(A::kX + k);
-      for (int slot : in_->layout.slot_of) farthest = std::max(farthest, std::abs(x[slot]));
-    }
-    int exponent = 0;
-    std::frexp(farthest, &exponent);
-    const T unit = std::ldexp(T(1), exponent + 2 - 31);
-    if (march_fresh_ || !(unit <= d.unit && unit * 8 >= d.unit)) {
-      d.unit = 2 * unit, d.per_unit = 1 / d.unit;
-      march_fresh_ = march_feet_ = true;
-    }
-  } else {
-    d.unit = d.per_unit = 1;
-  }
-  for (int k = 0; k < 3; ++k) {
-    const T *x = arrays_.field(A::kX + k), *w = arrays_.field(A::kW + k);
-    for (int p = 0; p < points; ++p) {
-      const int slot = in_->layout.slot_of[p];
-      const long at = grid.at(p);
-      d.v[k][at] = w[slot];
-      auto& place = d.x[k][at];
-      if (march_fresh_ || static_cast<T>(d.unit * static_cast<T>(place)) != x[slot])
-        place = place_of(x[slot]);
-    }
-  }
-  if (march_feet_ && has_planes_) {
-    for (int p = 0; p < points; ++p) {
-      const long at = grid.at(p);
-      if (in_->contacts[p].count == 0) continue;
-      const ContactPlane& plane = in_->contacts[p].planes[0];
-      const Vec3 x = local(in_->layout.slot_of[p]);
-      const Vec3 foot = x - plane.normal.dot(x - (plane.foot - origin_)) * plane.normal;
-      for (int k = 0; k < 3; ++k) grid.foot[k][at] = place_of(foot[k]);
-    }
-  }
-  for (int slot : rim_slots_) {
-    const long at = grid.at(in_->layout.point_of[slot]);
-    for (int k = 0; k < 3; ++k) grid.rim[k][at] = arrays_.field(A::kE + k)[slot];
-  }
-  march_fresh_ = march_feet_ = false;
-}
-
-template <class T>
-typename MarchPlace<T>::Type SweepStepper<T>::place_of(double x) const {
-  if constexpr (sizeof(T) == 4) {
-    return static_cast<int>(std::lrint(std::clamp(x / double(march_->data().unit), -1e9, 1e9)));
-  } else {
-    return x;
-  }
-}
-
 // Where a hand is at `time` after the start of the frame; cubic, as load_hands.
 template <class T>
 Vec3 SweepStepper<T>::hand_at(const Hand& hand, double time) const {
@@ -146,25 +48,53 @@ Vec3 SweepStepper<T>::hand_at(const Hand& hand, double time) const {
          origin_;
 }
 
+template <class T>
+Vec3 SweepStepper<T>::march_vector(T* const* field, const Hand& hand) const {
+  const long at = march_->at(hand.point);
+  return Vec3(field[0][at], field[1][at], field[2][at]);
+}
+
+// A point that a hand holds goes where the hand goes, whatever was smoothed into it. What that adds to the
+// sum of g . v.
+template <class T>
+double SweepStepper<T>::hold(const Hand& hand, double h) {
+  MarchData<T>& d = march_->data();
+  const long at = march_->at(hand.point);
+  double more = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double speed = hand.speed[k] + hand.change[k], other = speed - double(d.v[k][at]);
+    more += other * double(d.g[k][at]);
+    d.v[k][at] = static_cast<T>(speed);
+    if constexpr (sizeof(T) == 4) {
+      d.x[k][at] += static_cast<int>(std::lrint(h * other / double(d.unit)));
+    } else {
+      d.x[k][at] += h * other;
+    }
+  }
+  return more;
+}
+
 // False, with everything as it was, if the energy says that this was no way.
 template <class T>
 bool SweepStepper<T>::march() {
   using A = SweepArrays<T>;
   if (!may_march()) return false;
   begin_air();
+  choose_unit();
   if (march_dirty_) load_march();
   load_motion();
   MarchData<T>& d = march_->data();
   const double h = h_ / march_count_;
   const T step = static_cast<T>(h);
   for (int k = 0; k < 3; ++k) std::fill_n(d.c[k], d.rows * d.stride, T(0));
-  march_kernels_.factor(d, static_cast<T>(march_share_));
+  march_kernels_.factor(d, static_cast<T>(march_share_ / d.unit));
   march_work_ = 0;
   solve_gauge(march_pocket_, {});
   for (Hand& hand : hands_) hand.impulse = Vec3::Zero();
   for (int s = 0; s < march_count_; ++s) {
     const T gauge = static_cast<T>(gauges_[march_pocket_]);
-    march_kernels_.push(d, s % kGradientEvery == 0 ? MarchAir::kMeasured : MarchAir::kKept, gauge, step);
+    march_kernels_.push(d, s % kGradientEvery == 0 ? MarchAir::kMeasured : MarchAir::kKept,
+                        s == 0 ? MarchRate::kVelocity : MarchRate::kLength, gauge, step);
     if (s == 0 && !soft_air(h)) {
       march_off_ = true;  // nothing was changed yet
       return false;
@@ -184,15 +114,13 @@ bool SweepStepper<T>::march() {
       for (int k = 0; k < 3; ++k) d.f[k][at] += static_cast<T>(h / mass * hand.push[k]);
       hand.impulse += h * hand.push;
     }
-    march_kernels_.smooth(d);
+    for (Hand& hand : hands_) hand.speed = march_vector(d.v, hand);
+    double swept = march_kernels_.move(d, step);
     for (Hand& hand : hands_) {
-      const long at = march_->at(hand.point);
-      for (int k = 0; k < 3; ++k) {
-        if (hand.holds) d.f[k][at] = static_cast<T>(hand.change[k]);
-        march_work_ += h * hand.push[k] * (double(d.v[k][at]) + double(d.f[k][at]));
-      }
+      if (hand.holds) swept += hold(hand, h);
+      march_work_ += h * hand.push.dot(march_vector(d.v, hand));
     }
-    volumes_[march_pocket_] += h * march_kernels_.advance(d, step);
+    volumes_[march_pocket_] += h * swept;
     solve_gauge(march_pocket_, {});
   }
   for (int k = 0; k < 3; ++k) {

@@ -63,7 +63,7 @@ class SweepStepper final : public ClothStepper {
     Vec3 impulse = Vec3::Zero();                             // N s, of the last small step
     Vec3 at = Vec3::Zero();                                  // local, at the end of the small step
     // of an explicit step: change of velocity to hold it, force, whether the force suffices
-    Vec3 change = Vec3::Zero(), push = Vec3::Zero();
+    Vec3 change = Vec3::Zero(), push = Vec3::Zero(), speed = Vec3::Zero();
     bool holds = false;
   };
   // A point with two planes: solved by itself.
@@ -127,10 +127,13 @@ class SweepStepper final : public ClothStepper {
   static constexpr int kGradientEvery = 4;     // explicit steps from one dV/dx to the next
   bool marches();
   bool may_march();
+  void choose_unit();
   void load_march();
   void load_motion();
   typename MarchPlace<T>::Type place_of(double x) const;
   Vec3 hand_at(const Hand& hand, double time) const;
+  Vec3 march_vector(T* const* field, const Hand& hand) const;
+  double hold(const Hand& hand, double h);
   bool march();
   bool soft_air(double h) const;
   bool guard_march();
@@ -139,14 +142,16 @@ class SweepStepper final : public ClothStepper {
   Vec3 gradient(int slot, bool dynamic) const;
   Vec3 force_of(const Hand& hand) const;
 
-  // sweep_stepper.cpp and stepper_alone-inl.h
+  // sweep_stepper.cpp, stepper_sweep-inl.h and stepper_alone-inl.h
   // Springs of calm cloth turn by less than kCalmTurn (1/s, root mean square): small steps are those of the
   // dial. Up to kMostTurns times as many where they turn faster; a round of coarse correction and sweep in a
   // small step for each kRoundTurn (1/s), kMostRounds at most.
   static constexpr double kCalmTurn = 5, kMostTurns = 4, kRoundTurn = 1;
   static constexpr int kMostRounds = 4;
+  static constexpr double kMarchPart = 0.25;  // small steps of explicit ones over those of the dial
   double turn_rate() const;
   void predict();
+  void solve_parts();
   void solve();
   void sweep();
   void sweep_colour(int colour);
@@ -183,11 +188,13 @@ class SweepStepper final : public ClothStepper {
 
   double energy_ = 0, work_ = 0;  // J, when last checked; since then
   double before_ = 0;             // the work before this small step
+  int parts_ = 1;                 // of a small step that is swept
   int rounds_ = 1;                // of coarse correction and sweep in a small step
   double farthest_ = 0;           // m2, square of the longest move of a sweep in this small step
   int calm_ = 0, unchecked_ = 0;  // checks in a row that were fair, small steps since the last one
 
   const MarchKernels<T>& march_kernels_;
+  const int march_bytes_;  // of their vectors
   std::unique_ptr<MarchGrid<T>> march_;
   bool march_dirty_ = true, march_fresh_ = true, march_feet_ = true, march_off_ = false;
   bool marches_ = false;  // in this frame
