@@ -71,7 +71,7 @@ class Laws {
       target.push_back(shaken(x.back()));
       start.push_back(shaken(x.back()));
       const int slot = layout.slot_of[p];
-      put(A::kX, slot, x[p]), put(A::kT, slot, target[p]), put(A::kS, slot, start[p]);
+      put(A::kX, slot, x[p]), put(A::kT, slot, target[p] - start[p]), put(A::kS, slot, start[p]);
       arrays.field(A::kFree)[slot] = 1;
       arrays.slot_pocket[slot] = 0;
     }

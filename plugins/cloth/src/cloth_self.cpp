@@ -14,6 +14,10 @@ void Cloth::State::begin_self(std::span<const HeldPoint> held) {
     StageTimer timer(profile.seconds.self);
     self_near = self.begin_frame(positions, velocities, dt);
   }
+  prepare_self(held);
+}
+
+void Cloth::State::prepare_self(std::span<const HeldPoint> held) {
   // Corrections by the pass are no motion that a step of second order could go on from: it gains energy by
   // them.
   ClothSettings dial = solver.settings();
@@ -34,8 +38,13 @@ void Cloth::State::begin_self(std::span<const HeldPoint> held) {
   }
 }
 
-// Cloth on cloth, after each small step.
-void Cloth::State::meet_self(double h) {
+// Cloth on cloth, after each small step. What hits something may begin to fold faster than anybody could see
+// at the start of the frame.
+void Cloth::State::meet_self(double h, std::span<const HeldPoint> held) {
+  if (design.self_contact.on && !self_near && self.outrun(positions)) {
+    self_near = true;
+    prepare_self(held);
+  }
   profile.counts.self_skipped = !design.self_contact.on || !self_near;
   if (profile.counts.self_skipped) {
     return;

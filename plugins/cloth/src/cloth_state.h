@@ -12,7 +12,8 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
-// What a cloth is made of and what it goes on from; the stages of its step (cloth_step.cpp, cloth_air.cpp, cloth_self.cpp).
+// What a cloth is made of and what it goes on from; the stages of its step (cloth_step.cpp, cloth_air.cpp,
+// cloth_self.cpp).
 struct __attribute__((visibility("hidden"))) Cloth::State {
   explicit State(const ClothDesign& made);
 
@@ -41,7 +42,8 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   void choose_carrier(const NearColliders& near);
   void couple(double h, NearColliders& near, std::span<HeldPoint> held);
   void begin_self(std::span<const HeldPoint> held);
-  void meet_self(double h);
+  void prepare_self(std::span<const HeldPoint> held);
+  void meet_self(double h, std::span<const HeldPoint> held);
   void calm_self(double excess);
   void end_air(double dt, NearColliders& near);
   // All of it in the `paper` mode (cloth_paper.cpp).

@@ -52,7 +52,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
       s.solver.positions(s.positions);
       s.solver.velocities(s.velocities);
     }
-    s.meet_self(h);
+    s.meet_self(h, held);
     s.couple(h, near, held);
     near.advance(h);
   }

@@ -9,6 +9,46 @@ SOFTPOINT_INLINE Pack3<T> neighbour(const T* x, const T* y, const T* z, const in
   return {gather(x, p), gather(y, p), gather(z, p)};
 }
 
+// Numbers that are each kept as two of type T, the second below the last digit of the first. Cloth at rest
+// would creep if each small step rounded its places: a spring of 10 kN/m feels one unit in the last place of
+// a few centimetres as half a point's weight. In double the first is enough.
+template <class T>
+struct Places {
+  const T *x, *y, *z, *lx, *ly, *lz;
+};
+template <class T>
+SOFTPOINT_INLINE Places<T> places_now(const SweepData<T>& d) {
+  return {d.x, d.y, d.z, d.lx, d.ly, d.lz};
+}
+template <class T>
+SOFTPOINT_INLINE Places<T> places_at_start(const SweepData<T>& d) {
+  return {d.sx, d.sy, d.sz, d.rx, d.ry, d.rz};
+}
+template <class T>
+struct Place {
+  Pack3<T> x, low;
+};
+template <class T>
+SOFTPOINT_INLINE Place<T> place(const Places<T>& p, long at) {
+  if constexpr (sizeof(T) == 4) return {load3(p.x, p.y, p.z, at), load3(p.lx, p.ly, p.lz, at)};
+  return {load3(p.x, p.y, p.z, at), Pack3<T>{}};
+}
+template <class T>
+SOFTPOINT_INLINE Pack3<T> operator-(const Place<T>& a, const Place<T>& b) {
+  if constexpr (sizeof(T) == 4) return (a.x - b.x) + (a.low - b.low);
+  return a.x - b.x;
+}
+
+// From `from`, the place of slot `at`, to its neighbour's.
+template <class T>
+SOFTPOINT_INLINE Pack3<T> arm(const Places<T>& p, const Place<T>& from, const int* offset, const int* index,
+                              int count, int k, long tile, int lane, long at) {
+  Place<T> to;
+  to.x = neighbour(p.x, p.y, p.z, offset, index, count, k, tile, lane, at);
+  if constexpr (sizeof(T) == 4) to.low = neighbour(p.lx, p.ly, p.lz, offset, index, count, k, tile, lane, at);
+  return to - from;
+}
+
 template <class T>
 struct Nodal {
   Pack3<T> g;
@@ -18,16 +58,18 @@ struct Nodal {
 // Springs, dampers, bending and inertia of the lanes at `at`; arms to the neighbours into `arms`.
 template <class T>
 SOFTPOINT_INLINE Nodal<T> nodal(const SweepData<T>& d, const ColourPlan& c, long tile, int lane, long at,
-                                const Pack3<T>& x, Pack3<T>* arms) {
+                                Pack3<T>* arms) {
   const Pack<T> m = load(d.inertia + at);
-  const Pack3<T> target = load3(d.tx, d.ty, d.tz, at);
+  const Places<T> now = places_now(d);
+  const Place<T> x = place(now, at);
+  const Pack3<T> off = (x - place(places_at_start(d), at)) - load3(d.tx, d.ty, d.tz, at);
   Nodal<T> out;
-  out.g = {m * (x.x - target.x), m * (x.y - target.y), m * (x.z - target.z)};
+  out.g = {m * off.x, m * off.y, m * off.z};
   Pack<T> xx = m, yy = m, zz = m, xy{}, xz{}, yz{};
   const Pack<T> compression = splat(d.compression);
   const T* spring = d.springs + c.spring_at + tile * c.ring * 4 * kTile + lane;
   for (int k = 0; k < c.ring; ++k, spring += 4 * kTile) {
-    const Pack3<T> r = neighbour(d.x, d.y, d.z, c.offset, c.index, c.ring, k, tile, lane, at) - x;
+    const Pack3<T> r = arm(now, x, c.offset, c.index, c.ring, k, tile, lane, at);
     arms[k] = r;
     const Pack<T> stiff = load(spring), rest = load(spring + kTile);
     const Pack<T> damper = load(spring + 2 * kTile), damped = load(spring + 3 * kTile);
@@ -52,7 +94,7 @@ SOFTPOINT_INLINE Nodal<T> nodal(const SweepData<T>& d, const ColourPlan& c, long
   }
   const T* bend = d.bend_weight + c.bend_at + tile * c.bends * kTile + lane;
   for (int k = 0; k < c.bends; ++k, bend += kTile) {
-    const Pack3<T> r = neighbour(d.x, d.y, d.z, c.bend_offset, c.bend_index, c.bends, k, tile, lane, at) - x;
+    const Pack3<T> r = arm(now, x, c.bend_offset, c.bend_index, c.bends, k, tile, lane, at);
     const Pack<T> w = load(bend);  // of B, whose rows sum to zero: g = sum w (x_j - x), H = -sum w
     out.g = madd(w, r, out.g);
     xx -= w, yy -= w, zz -= w;
@@ -145,8 +187,7 @@ void gather_colour(const SweepData<T>& d, const ColourPlan& c, bool air, PocketS
   for (long tile = 0; tile < c.tiles; ++tile) {
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
-      const Pack3<T> x = load3(d.x, d.y, d.z, at);
-      const Nodal<T> n = nodal(d, c, tile, lane, at, x, arms);
+      const Nodal<T> n = nodal(d, c, tile, lane, at, arms);
       const Sym3<T> inv = inverse(n.h);
       const Pack3<T> a = times(inv, n.g);
       store3(d.gx, d.gy, d.gz, at, n.g);
@@ -168,9 +209,9 @@ void gather_colour(const SweepData<T>& d, const ColourPlan& c, bool air, PocketS
 // What pushes the lanes at `at` at the pressures given, contact left out: minus the gradient.
 template <class T>
 SOFTPOINT_INLINE Pack3<T> push_of(const SweepData<T>& d, const ColourPlan& c, const double* gauges, long tile,
-                                  int lane, long at, const Pack3<T>& x) {
+                                  int lane, long at) {
   Pack3<T> arms[kMaxRing];
-  const Nodal<T> n = nodal(d, c, tile, lane, at, x, arms);
+  const Nodal<T> n = nodal(d, c, tile, lane, at, arms);
   const Pack3<T> push = {-n.g.x, -n.g.y, -n.g.z};
   if (gauges == nullptr || d.tile_pocket[at / kTile] == -1) return push;
   return madd<T>(gauge_of(d, at, gauges), volume_gradient(d, c, tile, lane, at, arms), push);
@@ -184,7 +225,7 @@ void push_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauge
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
       const Pack3<T> x = load3(d.x, d.y, d.z, at);
-      Pack3<T> push = push_of(d, c, gauges, tile, lane, at, x);
+      Pack3<T> push = push_of(d, c, gauges, tile, lane, at);
       Pack<T> carried = load(d.free + at);
       if (d.tile_planes[at / kTile] != 0) {
         const Pack<T> touch = load(d.touch + at);
@@ -202,6 +243,17 @@ void push_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauge
   }
 }
 
+// Of a point that slides: as large as it was, against its way over the surface by now.
+template <class T>
+SOFTPOINT_INLINE Pack3<T> friction_now(const SweepData<T>& d, long at) {
+  const Pack3<T> n = load3(d.nx, d.ny, d.nz, at), force = load3(d.cx, d.cy, d.cz, at);
+  const Pack3<T> drag = madd<T>(-dot(n, force), n, force);
+  Pack3<T> way = (place(places_now(d), at) - place(places_at_start(d), at)) - load3(d.ux, d.uy, d.uz, at);
+  way = madd<T>(-dot(n, way), n, way);
+  const Pack<T> pull = -sqrt(dot(drag, drag)) * inverse_root(dot(way, way) + std_tiny<T>());
+  return {pull * way.x, pull * way.y, pull * way.z};
+}
+
 template <class T>
 double push_along_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges) {
   double total = 0;
@@ -209,10 +261,10 @@ double push_along_colour(const SweepData<T>& d, const ColourPlan& c, const doubl
     Pack<T> along{};
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
-      Pack3<T> push = push_of(d, c, gauges, tile, lane, at, load3(d.x, d.y, d.z, at));
+      Pack3<T> push = push_of(d, c, gauges, tile, lane, at);
       if (d.tile_planes[at / kTile] != 0) {
         const Pack<T> sliding = select<T>(load(d.touch + at) == T(2), splat(T(1)), Pack<T>{});
-        push = madd<T>(sliding, load3(d.cx, d.cy, d.cz, at), push);
+        push = madd<T>(sliding, friction_now(d, at), push);
       }
       along = along + dot(push, load3(d.dx, d.dy, d.dz, at));
     }
@@ -226,10 +278,11 @@ void measure_dampers(const SweepData<T>& d, const ColourPlan& c, T* springs) {
   for (long tile = 0; tile < c.tiles; ++tile) {
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
-      const Pack3<T> x = load3(d.sx, d.sy, d.sz, at);
+      const Places<T> start = places_at_start(d);
+      const Place<T> x = place(start, at);
       T* spring = springs + c.spring_at + tile * c.ring * 4 * kTile + lane;
       for (int k = 0; k < c.ring; ++k, spring += 4 * kTile) {
-        const Pack3<T> r = neighbour(d.sx, d.sy, d.sz, c.offset, c.index, c.ring, k, tile, lane, at) - x;
+        const Pack3<T> r = arm(start, x, c.offset, c.index, c.ring, k, tile, lane, at);
         const Pack<T> square = dot(r, r) + std_tiny<T>();
         store(spring + 3 * kTile, load(spring + 2 * kTile) * (square * inverse_root(square)));
       }
@@ -270,10 +323,11 @@ double elastic_energy(const SweepData<T>& d, const ColourPlan& c) {
     Pack<T> energy{};
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
-      const Pack3<T> x = load3(d.x, d.y, d.z, at);
+      const Places<T> now = places_now(d);
+      const Place<T> x = place(now, at);
       const T* spring = d.springs + c.spring_at + tile * c.ring * 4 * kTile + lane;
       for (int k = 0; k < c.ring; ++k, spring += 4 * kTile) {
-        const Pack3<T> r = neighbour(d.x, d.y, d.z, c.offset, c.index, c.ring, k, tile, lane, at) - x;
+        const Pack3<T> r = arm(now, x, c.offset, c.index, c.ring, k, tile, lane, at);
         const Pack<T> square = dot(r, r) + std_tiny<T>();
         const Pack<T> longer = square * inverse_root(square) - load(spring + kTile);
         const Pack<T> stiff = load(spring);
@@ -282,8 +336,7 @@ double elastic_energy(const SweepData<T>& d, const ColourPlan& c) {
       }
       const T* bend = d.bend_weight + c.bend_at + tile * c.bends * kTile + lane;
       for (int k = 0; k < c.bends; ++k, bend += kTile) {
-        const Pack3<T> r =
-            neighbour(d.x, d.y, d.z, c.bend_offset, c.bend_index, c.bends, k, tile, lane, at) - x;
+        const Pack3<T> r = arm(now, x, c.bend_offset, c.bend_index, c.bends, k, tile, lane, at);
         energy = fma(-load(bend), dot(r, r), energy);  // 1/2 x^T B x = -1/4 sum w |x_j - x_i|^2, twice
       }
     }

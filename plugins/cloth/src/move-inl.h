@@ -37,11 +37,11 @@ SOFTPOINT_INLINE Pack3<T> slide(const Sym3<T>& h, const Pack3<T>& n, const Pack3
 // the move without contact; overwritten where the plane is crossed. Returns 0, 1 (sticks) or 2 (slides);
 // force to `force`.
 template <class T>
-SOFTPOINT_INLINE Pack<T> contact(const SweepData<T>& d, long at, const Pack3<T>& x, Pack3<T>& dx,
-                                 Pack3<T>& force) {
+SOFTPOINT_INLINE Pack<T> contact(const SweepData<T>& d, long at, Pack3<T>& dx, Pack3<T>& force) {
   const Pack3<T> n = load3(d.nx, d.ny, d.nz, at);
   const Pack<T> level = load(d.level + at);
-  const Mask<T> crossed = dot(n, x + dx) < level;
+  const Place<T> x = place(places_now(d), at);
+  const Mask<T> crossed = dot(n, x.x + dx) < level;
   force = Pack3<T>{};
   if (!any<T>(crossed)) return Pack<T>{};
   const Sym3<T> h = {load(d.h + at),
@@ -51,8 +51,9 @@ SOFTPOINT_INLINE Pack<T> contact(const SweepData<T>& d, long at, const Pack3<T>&
                      load(d.h + 4 * d.slots + at),
                      load(d.h + 5 * d.slots + at)};
   // Carried along by the surface from where the small step began, and onto the plane.
-  Pack3<T> held = load3(d.sx, d.sy, d.sz, at) + load3(d.ux, d.uy, d.uz, at);
-  held = madd<T>(level - dot(n, held), n, held) - x;
+  const Place<T> start = place(places_at_start(d), at);
+  const Pack3<T> carried = load3(d.ux, d.uy, d.uz, at);
+  const Pack3<T> held = madd<T>(level - dot(n, start.x + carried), n, (start - x) + carried);
   const Pack3<T> stick = times(h, held - dx);
   const Pack<T> mu = load(d.friction + at), adhesion = load(d.adhesion + at);
   const Pack<T> press = dot(n, stick);
@@ -93,7 +94,7 @@ int move_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges
       if (planes) {
         const Pack<T> before = load(d.touch + at);
         Pack3<T> force;
-        const Pack<T> after = free * contact(d, at, load3(d.x, d.y, d.z, at), dx, force);
+        const Pack<T> after = free * contact(d, at, dx, force);
         store(d.touch + at, after);
         store3(d.cx, d.cy, d.cz, at, {free * force.x, free * force.y, free * force.z});
         if (airy) {
@@ -116,6 +117,19 @@ int move_colour(const SweepData<T>& d, const ColourPlan& c, const double* gauges
   return changes;
 }
 
+// x += dx, without loss: Knuth's sum of two.
+template <class T>
+SOFTPOINT_INLINE void go(T* x, T* low, long at, Pack<T> dx) {
+  const Pack<T> from = load(x + at);
+  if constexpr (sizeof(T) == 4) {
+    const Pack<T> by = load(low + at) + dx, to = from + by, taken = to - from;
+    store(low + at, (from - (to - taken)) + (by - taken));
+    store(x + at, to);
+  } else {
+    store(x + at, from + dx);
+  }
+}
+
 template <class T>
 double commit_colour(const SweepData<T>& d, const ColourPlan& c, bool air, double* change) {
   Pack<T> largest{};
@@ -123,7 +137,9 @@ double commit_colour(const SweepData<T>& d, const ColourPlan& c, bool air, doubl
     for (int lane = 0; lane < kTile; lane += Of<T>::lanes) {
       const long at = c.first + tile * kTile + lane;
       const Pack3<T> dx = load3(d.dx, d.dy, d.dz, at);
-      store3(d.x, d.y, d.z, at, load3(d.x, d.y, d.z, at) + dx);
+      go(d.x, d.lx, at, dx.x);
+      go(d.y, d.ly, at, dx.y);
+      go(d.z, d.lz, at, dx.z);
       const Pack<T> square = dot(dx, dx);
       largest = square > largest ? square : largest;
       if (!air || d.tile_pocket[at / kTile] == -1) continue;

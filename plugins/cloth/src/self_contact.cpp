@@ -93,6 +93,10 @@ bool SelfContactPass::begin_frame(std::span<const Vec3> positions, std::span<con
   return spread(positions, searched_at_) + kSurprise * dt * std::sqrt(fastest) >= 0.5 * (reach_ - thickness_);
 }
 
+bool SelfContactPass::outrun(std::span<const Vec3> positions) const {
+  return !known_ || spread(positions, searched_at_) >= 0.5 * reach_ - 1.5 * thickness_;
+}
+
 void SelfContactPass::search(std::span<const Vec3> positions) {
   ++counts.searches;
   travel_ = 0;
@@ -278,7 +282,7 @@ bool SelfContactPass::correct(const Points& points, double friction) {
     slow_down(points, 0.4 * kMostRooms * room_);
     moved = 0.4 * kMostRooms * room_;
   }
-  if (!known_ || spread(points.positions, searched_at_) >= 0.5 * reach_ - 1.5 * thickness_) {
+  if (outrun(points.positions)) {
     // All that can meet within this small step has to be found, where it began.
     reach_ = 3.0 * thickness_ + std::clamp(2.5 * moved, room_, kMostRooms * room_);
     search(points.before);

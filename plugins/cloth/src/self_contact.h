@@ -41,6 +41,8 @@ class SelfContactPass {
   // At the start of a frame: whether cloth may meet cloth in it at all. What moves much slower than the room
   // that the last search left is only looked at again in the next frame.
   bool begin_frame(std::span<const Vec3> positions, std::span<const Vec3> velocities, double dt);
+  // After a small step of a frame that was to be left out: whether points have moved too far for that.
+  bool outrun(std::span<const Vec3> positions) const;
   // After a small step. Returns whether anything has changed.
   bool correct(const Points& points, double friction);
   // Points were put elsewhere: nothing is known of what is near what.

@@ -6,14 +6,13 @@
 template <class T>
 Vec3 SweepStepper<T>::stick_or_slide(const ContactPlane& plane, int slot, const Vec3& dx, const Mat3& h,
                                      Vec3& force, T& state) const {
-  using A = SweepArrays<T>;
   const Vec3 x = local(slot), n = plane.normal;
   const Vec3 foot = plane.foot + plane.velocity * (time_ + h_ - contacts_time_) - origin_;
   const double level = n.dot(foot);
   force = Vec3::Zero();
   state = T(0);
   if (n.dot(x + dx) >= level) return dx;
-  Vec3 held = vector_at(A::kS, slot) + plane.velocity * h_;
+  Vec3 held = started(slot) + plane.velocity * h_;
   held += (level - n.dot(held)) * n - x;
   const Vec3 stick = h * (held - dx);
   const double press = n.dot(stick);
@@ -87,6 +86,6 @@ void SweepStepper<T>::solve_alone(int slot, const Hand* hand, const PointContact
   }
   set_vector(A::kC, slot, force);
   arrays_.field(A::kTouch)[slot] = state;
-  set_vector(A::kX, slot, local(slot) + dx);
+  place(slot, local(slot) + dx);
   if (pocket >= 0) volumes_[pocket] += area.dot(dx);
 }

@@ -57,9 +57,9 @@ void SweepStepper<T>::move_along(double part) {
   using A = SweepArrays<T>;
   const T scale = static_cast<T>(part);
   for (int k = 0; k < 3; ++k) {
-    T* x = arrays_.field(A::kX + k);
+    T *x = arrays_.field(A::kX + k), *low = arrays_.field(A::kLow + k);
     const T* d = arrays_.field(A::kD + k);
-    for (long i = 0; i < arrays_.slots; ++i) x[i] += scale * d[i];
+    for (long i = 0; i < arrays_.slots; ++i) go(x[i], low[i], scale * d[i]);
   }
   measure_air();
 }
@@ -130,10 +130,29 @@ void SweepStepper<T>::coarse_step() {
   if (!(before > 0)) return;
   carry(right);
   move_along(1);
-  double after = 0;
-  for (const ColourPlan& plan : layout.colours) after += kernels_.push_along(data_, plan, gauges);
-  // The push along the way, taken as straight between its ends, is zero here.
-  const double part = std::clamp(before / std::max(before - after, 1e-3 * before), 0.0, 1.5);
-  move_along(part - 1);
+  const auto push_here = [&] {
+    double push = 0;
+    for (const ColourPlan& plan : layout.colours) push += kernels_.push_along(data_, plan, gauges);
+    return push;
+  };
+  // Taken as straight between its ends, the push along the way is zero here.
+  const double after = push_here();
+  double part = std::clamp(before / std::max(before - after, 1e-3 * before), 0.0, 1.5), here = 1;
+  // Friction is not straight: what slides by less than the way is held by it long before its end.
+  if (after < -kOvershoot * before) {
+    double low = 0, push_low = before, high = 1, push_high = after;
+    for (int round = 0; round < kSearchRounds; ++round) {
+      part = low + (high - low) * push_low / (push_low - push_high);
+      move_along(part - here);
+      here = part;
+      const double push = push_here();
+      if (std::abs(push) < kOvershoot * before) break;
+      (push > 0 ? low : high) = part;
+      (push > 0 ? push_low : push_high) = push;
+      (push > 0 ? push_high : push_low) *= 0.5;  // so that both ends close in
+      part = low;
+    }
+  }
+  move_along(part - here);
   if (part > 0.05) ++profile.coarse_taken;
 }

@@ -34,7 +34,7 @@ double SweepStepper<T>::work() const {
   using A = SweepArrays<T>;
   double sum = 0;
   for (const Hand& hand : hands_) {
-    sum += force_of(hand).dot(local(hand.slot) - vector_at(A::kS, hand.slot));
+    sum += force_of(hand).dot(local(hand.slot) - started(hand.slot));
   }
   if (!planes_move_) return sum;
   for (int slot : in_->layout.slot_of) sum += vector_at(A::kC, slot).dot(vector_at(A::kU, slot));
@@ -93,9 +93,9 @@ void SweepStepper<T>::damp(double excess) {
 template <class T>
 void SweepStepper<T>::restore() {
   using A = SweepArrays<T>;
-  for (int k = 0; k < 3; ++k) std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
+  copy_places(A::kS, A::kStartLow, A::kX, A::kLow);
   for (const Hand& hand : hands_) {
-    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+    if (!hand.limited) place(hand.slot, hand.at);
   }
   measure_air();
 }

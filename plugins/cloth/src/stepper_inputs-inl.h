@@ -12,7 +12,29 @@ void SweepStepper<T>::set_vector(int field, int slot, const Vec3& v) {
 
 template <class T>
 Vec3 SweepStepper<T>::local(int slot) const {
-  return vector_at(SweepArrays<T>::kX, slot);
+  using A = SweepArrays<T>;
+  return kTwo ? Vec3(vector_at(A::kX, slot) + vector_at(A::kLow, slot)) : vector_at(A::kX, slot);
+}
+
+// Where it was at the start of the small step.
+template <class T>
+Vec3 SweepStepper<T>::started(int slot) const {
+  using A = SweepArrays<T>;
+  return kTwo ? Vec3(vector_at(A::kS, slot) + vector_at(A::kStartLow, slot)) : vector_at(A::kS, slot);
+}
+
+template <class T>
+void SweepStepper<T>::place(int slot, const Vec3& x) {
+  using A = SweepArrays<T>;
+  set_vector(A::kX, slot, x);
+  if (kTwo) set_vector(A::kLow, slot, x - vector_at(A::kX, slot));
+}
+
+// The start of a small step to where all is now, or back.
+template <class T>
+void SweepStepper<T>::copy_places(int from, int from_low, int to, int to_low) {
+  std::copy_n(arrays_.field(from), 3 * arrays_.slots, arrays_.field(to));
+  if (kTwo) std::copy_n(arrays_.field(from_low), 3 * arrays_.slots, arrays_.field(to_low));
 }
 
 template <class T>
@@ -28,7 +50,7 @@ void SweepStepper<T>::set_positions(std::span<const Vec3> positions) {
   for (const Vec3& p : positions) mean += p / static_cast<double>(positions.size());
   origin_ = in_->pockets.empty() ? mean : in_->air_origin;
   for (std::size_t p = 0; p < positions.size(); ++p) {
-    set_vector(SweepArrays<T>::kX, in_->layout.slot_of[p], positions[p] - origin_);
+    place(in_->layout.slot_of[p], positions[p] - origin_);
   }
   contacts_dirty_ = set_anew_ = fresh_ = true;
 }
@@ -45,7 +67,7 @@ template <class T>
 void SweepStepper<T>::move_origin(const Vec3& origin) {
   if (origin == origin_) return;
   const Vec3 shift = origin_ - origin;
-  for (int slot : in_->layout.slot_of) set_vector(SweepArrays<T>::kX, slot, local(slot) + shift);
+  for (int slot : in_->layout.slot_of) place(slot, local(slot) + shift);
   origin_ = origin;
   contacts_dirty_ = set_anew_ = fresh_ = true;
 }

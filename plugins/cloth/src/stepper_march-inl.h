@@ -123,11 +123,9 @@ bool SweepStepper<T>::march() {
     volumes_[march_pocket_] += h * swept;
     solve_gauge(march_pocket_, {});
   }
-  for (int k = 0; k < 3; ++k) {
-    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kS + k));
-    std::copy_n(arrays_.field(A::kX + k), arrays_.slots, arrays_.field(A::kP + k));
-    std::copy_n(arrays_.field(A::kW + k), arrays_.slots, arrays_.field(A::kQ + k));
-  }
+  copy_places(A::kX, A::kLow, A::kS, A::kStartLow);
+  std::copy_n(arrays_.field(A::kW), 3 * arrays_.slots, arrays_.field(A::kQ));
+  std::fill_n(arrays_.field(A::kLow), 3 * arrays_.slots, T(0));
   const T part = T(1) / static_cast<T>(march_count_);
   T* touch = arrays_.field(A::kTouch);
   for (int p = 0; p < in_->pattern.point_count(); ++p) {
@@ -141,7 +139,7 @@ bool SweepStepper<T>::march() {
     }
   }
   for (const Hand& hand : hands_) {
-    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+    if (!hand.limited) place(hand.slot, hand.at);
   }
   measure_volumes();
   solve_gauge(march_pocket_, {});
@@ -150,10 +148,8 @@ bool SweepStepper<T>::march() {
   if (guard_march()) return true;
   ++profile.march_refused;
   march_off_ = march_fresh_ = true;
-  for (int k = 0; k < 3; ++k) {
-    std::copy_n(arrays_.field(A::kS + k), arrays_.slots, arrays_.field(A::kX + k));
-    std::copy_n(arrays_.field(A::kQ + k), arrays_.slots, arrays_.field(A::kW + k));
-  }
+  copy_places(A::kS, A::kStartLow, A::kX, A::kLow);
+  std::copy_n(arrays_.field(A::kQ), 3 * arrays_.slots, arrays_.field(A::kW));
   measure_volumes();
   solve_gauge(march_pocket_, {});
   double kinetic = 0;

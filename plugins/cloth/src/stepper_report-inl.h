@@ -34,8 +34,9 @@ Vec3 SweepStepper<T>::gradient(int slot, bool dynamic) const {
   const ColourPlan& plan = layout.colours[colour_of(slot)];
   const int tile = (slot - plan.first) / kTile, lane = (slot - plan.first) % kTile;
   const Vec3 x = local(slot);
-  Vec3 g = dynamic ? Vec3(double(arrays_.field(A::kInertia)[slot]) * (x - vector_at(A::kT, slot)))
-                   : Vec3(-double(arrays_.field(A::kMass)[slot]) * vector_at(A::kF, slot));
+  Vec3 g = dynamic
+               ? Vec3(double(arrays_.field(A::kInertia)[slot]) * (x - started(slot) - vector_at(A::kT, slot)))
+               : Vec3(-double(arrays_.field(A::kMass)[slot]) * vector_at(A::kF, slot));
   const auto neighbour = [&](const int* offset, const int* index, int count, int k) {
     return offset != nullptr ? slot + offset[k] : index[(tile * count + k) * kTile + lane];
   };

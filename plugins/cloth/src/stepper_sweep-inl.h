@@ -24,22 +24,24 @@ void SweepStepper<T>::predict() {
     inertia[i] = mass[i] * (stiff + order[i] * (stiff2 - stiff));
   }
   for (int k = 0; k < 3; ++k) {
-    T *x = arrays_.field(A::kX + k), *s = arrays_.field(A::kS + k), *t = arrays_.field(A::kT + k);
-    T *p = arrays_.field(A::kP + k), *q = arrays_.field(A::kQ + k), *r = arrays_.field(A::kR + k);
+    T *x = arrays_.field(A::kX + k), *low = arrays_.field(A::kLow + k), *t = arrays_.field(A::kT + k);
+    T *s = arrays_.field(A::kS + k), *s_low = arrays_.field(A::kStartLow + k);
+    T *q = arrays_.field(A::kQ + k), *r = arrays_.field(A::kR + k);
     const T *w = arrays_.field(A::kW + k), *f = arrays_.field(A::kF + k);
     for (long i = 0; i < arrays_.slots; ++i) {
       const T back = past * order[i];  // without a branch: it runs over all points
-      const T from = x[i] + back * (x[i] - p[i]), speed = w[i] + back * (w[i] - q[i]);
-      s[i] = p[i] = x[i];
+      const T from = back * ((x[i] - s[i]) + (low[i] - s_low[i])), speed = w[i] + back * (w[i] - q[i]);
+      s[i] = x[i];
+      s_low[i] = low[i];
       q[i] = w[i];
       r[i] = from;
       const T far = scale + order[i] * (scale2 - scale), long_step = h + order[i] * (h2 - h);
       t[i] = from + far * (speed + long_step * f[i]);
-      x[i] += free[i] * (h * w[i]);
+      go(x[i], low[i], free[i] * (h * w[i]));
     }
   }
   for (const Hand& hand : hands_) {
-    if (!hand.limited) set_vector(A::kX, hand.slot, hand.at);
+    if (!hand.limited) place(hand.slot, hand.at);
   }
   h_before_ = h_;
   fresh_ = false;
@@ -88,10 +90,11 @@ void SweepStepper<T>::finish() {
   const T inverse = static_cast<T>(1 / h_), inverse2 = static_cast<T>(1 / shorter_);
   const T* order = arrays_.field(A::kSecond);
   for (int k = 0; k < 3; ++k) {
-    const T *x = arrays_.field(A::kX + k), *r = arrays_.field(A::kR + k);
+    const T *x = arrays_.field(A::kX + k), *low = arrays_.field(A::kLow + k), *r = arrays_.field(A::kR + k);
+    const T *s = arrays_.field(A::kS + k), *s_low = arrays_.field(A::kStartLow + k);
     T* w = arrays_.field(A::kW + k);
     for (long i = 0; i < arrays_.slots; ++i)
-      w[i] = (x[i] - r[i]) * (inverse + order[i] * (inverse2 - inverse));
+      w[i] = ((x[i] - s[i]) + (low[i] - s_low[i]) - r[i]) * (inverse + order[i] * (inverse2 - inverse));
   }
 }
 

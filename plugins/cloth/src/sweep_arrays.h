@@ -57,11 +57,12 @@ struct SweepArrays {
     kF = 39,
     kH = 42,
     kM = 48,
-    kP = 51,
+    kLow = 51,
     kQ = 54,
     kR = 57,
     kL = 60,
-    kInertia = 63,
+    kStartLow = 63,
+    kInertia = 66,
     kFree,
     kLevel,
     kFriction,
@@ -76,14 +77,14 @@ struct SweepArrays {
 
   SweepData<T> data(double compression) const {
     SweepData<T> d{};
-    T** three[] = {&d.x, &d.gx, &d.ax, &d.vx, &d.bx, &d.dx, &d.cx};
-    const int fields[] = {kX, kG, kA, kV, kB, kD, kC};
-    for (int i = 0; i < 7; ++i) {
+    T** three[] = {&d.x, &d.lx, &d.gx, &d.ax, &d.vx, &d.bx, &d.dx, &d.cx};
+    const int fields[] = {kX, kLow, kG, kA, kV, kB, kD, kC};
+    for (int i = 0; i < 8; ++i) {
       for (int k = 0; k < 3; ++k) three[i][k] = field(fields[i] + k);
     }
-    const T** more[] = {&d.tx, &d.sx, &d.ex, &d.nx, &d.ux};
-    const int others[] = {kT, kS, kE, kN, kU};
-    for (int i = 0; i < 5; ++i) {
+    const T** more[] = {&d.tx, &d.sx, &d.rx, &d.ex, &d.nx, &d.ux};
+    const int others[] = {kT, kS, kStartLow, kE, kN, kU};
+    for (int i = 0; i < 6; ++i) {
       for (int k = 0; k < 3; ++k) more[i][k] = field(others[i] + k);
     }
     d.h = field(kH);

@@ -33,18 +33,20 @@ struct ColourPlan {
 // Structure of arrays over the slots.
 template <class T>
 struct SweepData {
-  T *x, *y, *z;                   // the iterate, m
-  const T *tx, *ty, *tz;          // where inertia and constant forces alone would bring it
-  const T *sx, *sy, *sz;          // at the start of the small step
-  const T* inertia;               // m (1 + r h)/h^2, N/m
-  const T* free;                  // 1, or 0 for what the sweep must not move
-  T *gx, *gy, *gz;                // gradient of the energy without air, N
-  T *ax, *ay, *az;                // H^-1 g
-  T *vx, *vy, *vz;                // G = dV/dx, m2
-  T *bx, *by, *bz;                // H^-1 G
-  T *dx, *dy, *dz;                // the move
-  T* h;                           // [6][slots] H: xx yy zz xy xz yz
-  const T *ex, *ey, *ez;          // what rims add to G
+  T *x, *y, *z;           // the iterate, m
+  T *lx, *ly, *lz;        // what its numbers have beyond those of T; in single only
+  const T *tx, *ty, *tz;  // the way from the start on which inertia and constant forces alone bring it
+  const T *sx, *sy, *sz;  // at the start of the small step
+  const T *rx, *ry, *rz;  // what those numbers have beyond T; in single only
+  const T* inertia;       // m (1 + r h)/h^2, N/m
+  const T* free;          // 1, or 0 for what the sweep must not move
+  T *gx, *gy, *gz;        // gradient of the energy without air, N
+  T *ax, *ay, *az;        // H^-1 g
+  T *vx, *vy, *vz;        // G = dV/dx, m2
+  T *bx, *by, *bz;        // H^-1 G
+  T *dx, *dy, *dz;        // the move
+  T* h;                   // [6][slots] H: xx yy zz xy xz yz
+  const T *ex, *ey, *ez;  // what rims add to G
   const T *nx, *ny, *nz, *level;  // contact plane at the end of the small step: n . x = level
   const T *ux, *uy, *uz;          // way of its surface within the small step, m
   const T *friction, *adhesion;

@@ -52,6 +52,14 @@ const MarchKernels<double>& march_kernels<double>() {
   return march_kernels_of_machine().dual;
 }
 
+// x += by, in single without loss; as go() of the kernels.
+inline void go(float& x, float& low, float by) {
+  const float step = low + by, to = x + step, taken = to - x;
+  low = (x - (to - taken)) + (step - taken);
+  x = to;
+}
+inline void go(double& x, double&, double by) { x += by; }
+
 }  // namespace
 
 #include "stepper_inputs-inl.h"

@@ -88,7 +88,12 @@ class SweepStepper final : public ClothStepper {
   void load_contacts();
   void load_hands();
   void move_origin(const Vec3& origin);
+  // In single a place is two numbers: see Places in gather-inl.h.
+  static constexpr bool kTwo = sizeof(T) == 4;
   Vec3 local(int slot) const;
+  Vec3 started(int slot) const;
+  void place(int slot, const Vec3& x);
+  void copy_places(int from, int from_low, int to, int to_low);
   Vec3 vector_at(int field, int slot) const;
   void set_vector(int field, int slot, const Vec3& v);
 
@@ -102,6 +107,8 @@ class SweepStepper final : public ClothStepper {
   double air_energy() const;
 
   // stepper_coarse-inl.h
+  static constexpr double kOvershoot = 0.25;  // of the push that the way began with
+  static constexpr int kSearchRounds = 4;
   void assemble_coarse();
   void coarse_step();
   void measure_air();
