@@ -38,20 +38,38 @@ void read_joint(ObjectReader& item, Link& link) {
                               {"fixed", JointKind::kFixed},
                               {"free", JointKind::kFree}},
                              {.fallback = "hinge", .doc = "free: of a first link that goes anywhere"});
-  link.axis =
-      item.vec3("axis", {.low = -1, .high = 1, .fallback = Vec3::UnitZ(), .doc = "of hinge and prismatic"});
+  link.axis = item.vec3("axis", {.low = -1,
+                                 .high = 1,
+                                 .fallback = Vec3::UnitZ(),
+                                 .doc = "of hinge and prismatic; of the twist of a ball with a cone"});
   link.origin = item.vec3("origin", {.quantity = Quantity::kLength,
                                      .low = -kMaxLength,
                                      .high = kMaxLength,
                                      .fallback = Vec3::Zero(),
                                      .doc = "of the joint, in the parent's frame"});
-  link.lower = item.number("lower", {.quantity = Quantity::kAngle,
-                                     .low = -1e9,
-                                     .high = 1e9,
-                                     .fallback = -1e9,
-                                     .doc = "of the range while the joint is dynamic; of prismatic in m"});
+  link.lower =
+      item.number("lower", {.quantity = Quantity::kAngle,
+                            .low = -1e9,
+                            .high = 1e9,
+                            .fallback = -1e9,
+                            .doc = "of the range while the joint is dynamic; of prismatic in m, of a ball "
+                                   "with a cone its twist (-3 to 3 rad)"});
   link.upper =
       item.number("upper", {.quantity = Quantity::kAngle, .low = -1e9, .high = 1e9, .fallback = 1e9});
+  link.swing_about = item.number("swing_about", {.quantity = Quantity::kAngle,
+                                                 .low = figure::kLeastSwing,
+                                                 .high = 1e9,
+                                                 .fallback = 1e9,
+                                                 .doc = "of a ball: half angle of its cone, of swings about "
+                                                        "swing_axis, up to 3 rad; 1e9: free"});
+  link.swing_across = item.number("swing_across", {.quantity = Quantity::kAngle,
+                                                   .low = figure::kLeastSwing,
+                                                   .high = 1e9,
+                                                   .fallback = 1e9,
+                                                   .doc = "of swings across it; given with swing_about"});
+  link.swing_axis = item.vec3(
+      "swing_axis",
+      {.low = -1, .high = 1, .fallback = Vec3::Zero(), .doc = "in the link's frame, across axis; zero: any"});
   link.armature = item.number("armature", {.low = 0,
                                            .high = kMostInertia,
                                            .fallback = 0,

@@ -62,6 +62,35 @@ TEST(FigureHeap, StepsAllocateNothing) {
   }
 }
 
+TEST(FigureHeap, StepsWithPinsAndConesAllocateNothing) {
+  std::vector<Link> links = read_amdl_file(data_file("chain4ball.amdl")).links();
+  for (Link& link : links) {
+    link.swing_about = 0.6;
+    link.swing_across = 0.22;
+    link.lower = -0.2;
+    link.upper = 0.3;
+  }
+  const FigureModel model(links);
+  FigureState start = rest_state(model);
+  for (std::size_t i = 0; i < start.q.size(); i += 4) {  // slack
+    start.q[i] = std::cos(0.1);
+    start.q[i + 1] = i % 8 == 0 ? std::sin(0.1) : -std::sin(0.1);
+  }
+  FigureStepper stepper(model, start);
+  stepper.set_limits(LimitMode::kExact);
+  const FigureDynamics& placed = stepper.dynamics();
+  stepper.dynamics().place(start.q.data(), start.qd.data());
+  stepper.set_pins({{model.link_count() - 1, Vec3::Zero(), placed.motion(model.link_count() - 1).position}});
+  for (std::size_t i = 0; i < start.qd.size(); ++i) start.qd[i] = i % 2 == 0 ? 1.0 : -3.0;
+  stepper.set_state(start);
+  for (int k = 0; k < 2; ++k) stepper.step(1.0 / 240);
+  const long long before = test::heap_calls;
+  for (int k = 0; k < 200; ++k) stepper.step(1.0 / 240);
+  EXPECT_EQ(test::heap_calls - before, 0);
+  EXPECT_EQ(stepper.guard_fired(), 0);
+  EXPECT_GT(stepper.limit_counts().impacts, 3);
+}
+
 TEST(FigureHeap, DynamicsAndCollisionAllocateNothing) {
   const FigureModel model = rubbing_humanoid();
   std::vector<LinkCapsule> capsules;

@@ -45,9 +45,16 @@ Link read_link(std::istringstream& line, const std::string& where) {
   i(2, 1) = i(1, 2);
   number("lower", link.lower);
   number("upper", link.upper);
+  bool cone = false;
+  if (type == 2 && !(line >> std::ws).eof()) {
+    cone = true;
+    number("swing_about", link.swing_about);
+    number("swing_across", link.swing_across);
+    vector("swing_axis", link.swing_axis);
+  }
   std::string rest;
   if (line >> rest) throw Error(where + " link '" + link.name + "': '" + rest + "' after the last number");
-  if (type != 1 && type != 3) {
+  if (type != 1 && type != 3 && !cone) {
     link.lower = -1e9;
     link.upper = 1e9;
     link.axis = Vec3::UnitZ();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "ball_range.h"
 #include "softpoint/core/error.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -9,8 +10,7 @@ FigureModel with_ranges_of(const FigureModel& model, const std::vector<int>& lin
   std::vector<Link> result = model.links();
   for (int i = 0; i < model.link_count(); ++i) {
     if (std::find(links.begin(), links.end(), i) != links.end()) continue;
-    result[static_cast<std::size_t>(i)].lower = -1e9;
-    result[static_cast<std::size_t>(i)].upper = 1e9;
+    open_range(result[static_cast<std::size_t>(i)]);
   }
   return FigureModel(std::move(result));
 }
@@ -18,10 +18,7 @@ FigureModel with_ranges_of(const FigureModel& model, const std::vector<int>& lin
 FigureState state_inside(const FigureModel& model) {
   FigureState inside = rest_state(model);
   for (int i = 0; i < model.link_count(); ++i) {
-    const Link& link = model.links()[static_cast<std::size_t>(i)];
-    if (link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic) {
-      inside.q[static_cast<std::size_t>(model.position_offset(i))] = std::clamp(0.0, link.lower, link.upper);
-    }
+    put_inside(model.links()[static_cast<std::size_t>(i)], inside.q.data() + model.position_offset(i));
   }
   return inside;
 }
@@ -154,10 +151,8 @@ void DynamicPiece::simulate(double time, double dt, const FigureState& from, boo
   start_ = from;
   for (const int link : links_) {  // a range may be missed by a rounding, and by no more
     const Link& joint = model_.links()[static_cast<std::size_t>(link)];
-    if (joint.joint != JointKind::kHinge && joint.joint != JointKind::kPrismatic) continue;
-    double& q = start_.q[static_cast<std::size_t>(model_.position_offset(link))];
-    const double inside = std::clamp(q, joint.lower, joint.upper);
-    if (std::abs(inside - q) < 1e-9) q = inside;
+    double* q = start_.q.data() + model_.position_offset(link);
+    if (outside_range(joint, q) < 1e-9) put_inside(joint, q);
   }
   stepper_.set_state(start_);
   stepper_.set_time(time);

@@ -75,6 +75,51 @@ void check_link(const Link& link, int index) {
   check_inertia(link, index);
 }
 
+// The cone and the twist of a ball; its axes become a frame.
+void check_ball(Link& link, int index) {
+  const bool free = link.swing_about == 1e9 && link.swing_across == 1e9;
+  if (link.joint != JointKind::kBall) {
+    if (free) return;
+    throw Error(field_of(link, index, "swing_about") + " of a " + name(link.joint) +
+                " joint; permitted for ball joints only");
+  }
+  if (free) {
+    if (link.lower == -1e9 && link.upper == 1e9) {
+      if (!(link.axis.norm() > 1e-9 && link.axis.norm() < 1e9)) link.axis = Vec3::UnitZ();
+      link.axis.normalize();
+      link.swing_axis = link.axis.unitOrthogonal();
+      return;
+    }
+    throw Error(
+        field_of(link, index, "lower") + " = " + to_text(link.lower) +
+        " of a ball whose swing is free; permitted are -1e+09 to 1e+09, or a cone: a swing of pi has no "
+        "twist");
+  }
+  check_range(field_of(link, index, "swing_about"), link.swing_about, kLeastSwing, kMostSwing);
+  check_range(field_of(link, index, "swing_across"), link.swing_across, kLeastSwing, kMostSwing);
+  if (link.lower != -1e9 || link.upper != 1e9) {
+    check_range(field_of(link, index, "lower"), link.lower, -kMostTwist, kMostTwist);
+    check_range(field_of(link, index, "upper"), link.upper, link.lower, kMostTwist);
+  }
+  check_finite(field_of(link, index, "swing_axis"), link.swing_axis);
+  if (!(link.axis.norm() > 1e-9 && link.axis.norm() < 1e9)) {
+    throw Error(field_of(link, index, "axis") + " = " + to_text(link.axis) +
+                "; permitted is a direction with a length from 1e-09 to 1e+09");
+  }
+  link.axis.normalize();
+  if (link.swing_axis == Vec3::Zero()) {
+    int least = 0;
+    link.axis.cwiseAbs().minCoeff(&least);
+    link.swing_axis = Vec3::Unit(least);
+  }
+  const Vec3 across = link.swing_axis - link.swing_axis.dot(link.axis) * link.axis;
+  if (!(across.norm() > 1e-3 * link.swing_axis.norm()) || !(link.swing_axis.norm() > 1e-9)) {
+    throw Error(field_of(link, index, "swing_axis") + " = " + to_text(link.swing_axis) +
+                "; permitted is a direction that is not that of axis");
+  }
+  link.swing_axis = across.normalized();
+}
+
 // A joint that moves nothing has no acceleration of its own.
 void check_weight(const std::vector<Link>& links) {
   std::vector<double> carried(links.size());
@@ -134,6 +179,7 @@ FigureModel::FigureModel(std::vector<Link> links) : links_(std::move(links)) {
   for (int i = 0; i < link_count(); ++i) {
     Link& link = links_[static_cast<std::size_t>(i)];
     check_link(link, i);
+    check_ball(link, i);
     if (link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic) link.axis.normalize();
     position_offsets_.push_back(position_count_);
     velocity_offsets_.push_back(velocity_count_);

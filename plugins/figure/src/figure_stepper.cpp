@@ -30,16 +30,26 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
   events.reserve(64);
   for (int i = 0; i < model.link_count(); ++i) {
     const Link& link = model.links()[static_cast<std::size_t>(i)];
-    const bool has_range = link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic;
-    if (has_range && (link.lower > -1e9 || link.upper < 1e9)) {
-      limited.push_back({i, model.position_offset(i), model.velocity_offset(i), link.lower, link.upper});
+    const int q = model.position_offset(i), v = model.velocity_offset(i);
+    const bool one = link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic;
+    if (one && has_range(link)) {
+      limited.push_back({i, q, v, link.lower, link.upper, Limited::Part::kNumber, -1});
+    } else if (has_range(link)) {
+      const int ball = static_cast<int>(ball_ranges.size());
+      ball_ranges.emplace_back(link);
+      limited.push_back({i, q, v, -1e9, 0, Limited::Part::kSwing, ball});
+      if (link.lower > -1e9)
+        limited.push_back({i, q, v, link.lower, link.upper, Limited::Part::kTwist, ball});
     }
-    if (has_range && link.friction > 0) {
+    if (one && link.friction > 0) {
       const bool ranged = !limited.empty() && limited.back().link == i;
       dry.push_back({i, static_cast<std::size_t>(model.velocity_offset(i)),
                      ranged ? static_cast<int>(limited.size()) - 1 : -1, link.friction});
     }
   }
+  seen.resize(limited.size());
+  ball_pulls.assign(limited.size(), 0.0);
+  make_room_for_rows();
   stops.assign(limited.size(), Stop::kFree);
   candidates = leaning = stops;
   grazing.assign(limited.size(), 0);
@@ -58,7 +68,8 @@ void FigureStepper::Impl::set_joints() {
   const std::size_t links = chosen.size();
   for (std::size_t i = 0; i < links; ++i) joints[i] = chosen[i] != 0;
   for (std::size_t i = 0; i < limited.size(); ++i) {
-    if (stops[i] != Stop::kFree) joints[static_cast<std::size_t>(limited[i].link)] = false;
+    if (stops[i] != Stop::kFree && limited[i].part == Limited::Part::kNumber)
+      joints[static_cast<std::size_t>(limited[i].link)] = false;
   }
   for (std::size_t i = 0; i < dry.size(); ++i) {
     if (held[i]) joints[static_cast<std::size_t>(dry[i].link)] = false;
@@ -85,6 +96,7 @@ void FigureStepper::Impl::prescribe(double at, FigureState& to, std::vector<doub
 }
 
 void FigureStepper::Impl::advance(double dt) {
+  std::fill(part_impulses.begin(), part_impulses.end(), Vec3::Zero());
   if (integrator == Integrator::kPaper) {
     advance_as_paper(dt);
   } else if (integrator == Integrator::kVariational) {
@@ -93,6 +105,7 @@ void FigureStepper::Impl::advance(double dt) {
     advance_by_stages(dt);
   }
   if (!standing.empty()) prescribe(time + dt, next, acceleration);
+  settle_rows(next);
 }
 
 void FigureStepper::Impl::advance_by_stages(double dt) {
@@ -114,7 +127,8 @@ void FigureStepper::Impl::advance_by_stages(double dt) {
   for (int i = 0; i < table.stages; ++i) {
     look_ahead(table.a[i], i, stage);
     if (!standing.empty()) prescribe(time + table.c[i] * dt, stage, accelerations[i]);
-    dynamics.forward(stage.q.data(), stage.qd.data(), nullptr, accelerations[i].data());
+    answer(stage, nullptr, accelerations[i].data());
+    for (std::size_t k = 0; k < pins.size(); ++k) part_impulses[k] += dt * table.b[i] * pin_loads[k].force;
     increment_rate(model, increment.data(), stage.qd.data(), rates[i].data());
   }
   look_ahead(table.b, table.stages, next);
@@ -124,7 +138,8 @@ void FigureStepper::Impl::advance_by_stages(double dt) {
 void FigureStepper::Impl::advance_as_paper(double dt) {
   if (!standing.empty()) prescribe(time, state, acceleration);
   dynamics.set_implicit_time(dt);
-  dynamics.forward(state.q.data(), state.qd.data(), nullptr, acceleration.data());
+  answer(state, nullptr, acceleration.data());
+  for (std::size_t k = 0; k < pins.size(); ++k) part_impulses[k] += dt * pin_loads[k].force;
   dynamics.set_implicit_time(0);
   for (std::size_t k = 0; k < state.qd.size(); ++k) {
     next.qd[k] = (state.qd[k] + dt * acceleration[k]) * std::exp(dt * friction[k]);
@@ -138,21 +153,31 @@ bool FigureStepper::Impl::finite() const {
   return std::all_of(next.q.begin(), next.q.end(), is) && std::all_of(next.qd.begin(), next.qd.end(), is);
 }
 
+void FigureStepper::Impl::move(double dt) {
+  if (limits == LimitMode::kExact) {
+    step_with_stops(dt);
+  } else if (limits == LimitMode::kPaper) {
+    step_as_paper_with_limits(dt);
+  } else {
+    advance(dt);
+    take_part();
+  }
+}
+
 bool FigureStepper::step(double dt) {
   check_range("dt", dt, 1e-9, 1);
   Impl& m = *impl_;
   m.events.clear();
   const double end = m.time + dt;
+  std::fill(m.pin_impulses.begin(), m.pin_impulses.end(), Vec3::Zero());
   if (!m.dry.empty()) {
     m.begin_with_friction(dt);
     m.hold_at_rest();
   }
-  if (m.limits == LimitMode::kExact) {
-    m.step_with_stops(dt);
-  } else if (m.limits == LimitMode::kPaper) {
-    m.step_as_paper_with_limits(dt);
+  if (m.pins.empty()) {
+    m.move(dt);
   } else {
-    m.advance(dt);
+    m.move_with_pins(dt);
   }
   m.time = end;
   const bool good = m.finite();
@@ -178,6 +203,7 @@ const FigureState& FigureStepper::state() const { return impl_->state; }
 double FigureStepper::time() const { return impl_->time; }
 long long FigureStepper::guard_fired() const { return impl_->guard_fired; }
 LimitMode FigureStepper::limits() const { return impl_->limits; }
+std::span<const Vec3> FigureStepper::pin_impulses() const { return impl_->pin_impulses; }
 std::span<const LimitEvent> FigureStepper::events() const { return impl_->events; }
 const LimitCounts& FigureStepper::limit_counts() const { return impl_->counts; }
 

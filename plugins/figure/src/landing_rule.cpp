@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ball_range.h"
 #include "group_motion.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -55,10 +56,8 @@ void LandingRule::choose(const std::vector<char>& dynamic) {
 // What a rounding or a push has moved out of the ranges of the dynamic joints.
 void LandingRule::keep_inside(FigureState& state) const {
   for (int i = 0; i < free_model_->link_count(); ++i) {
-    const Link& link = free_model_->links()[static_cast<std::size_t>(i)];
-    if (link.joint != JointKind::kHinge && link.joint != JointKind::kPrismatic) continue;
-    double& q = state.q[static_cast<std::size_t>(free_model_->position_offset(i))];
-    q = std::clamp(q, link.lower, link.upper);
+    put_inside(free_model_->links()[static_cast<std::size_t>(i)],
+               state.q.data() + free_model_->position_offset(i));
   }
 }
 

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <memory>
 
+#include "ball_range.h"
 #include "group_motion.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
 
 constexpr double kDifference = 1e-4;  // s, of rates for accelerations
-
-bool has_range(const Link& link) {
-  return link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic;
-}
 
 }  // namespace
 
@@ -54,10 +51,11 @@ void LiveFigure::choose(const std::vector<char>& dynamic, double return_time) {
     const int parent = links[i].parent;
     carried_[i] = flags[i] || (parent >= 0 && carried_[static_cast<std::size_t>(parent)]);
     const int q = model_.position_offset(link), v = model_.velocity_offset(link);
-    const double now = has_range(links[i]) ? state_.q[static_cast<std::size_t>(q)] : 0;
-    // Keys may have led it out of its range: then it may not go further.
-    links[i].lower = flags[i] ? std::min(links[i].lower, now) : -1e9;
-    links[i].upper = flags[i] ? std::max(links[i].upper, now) : 1e9;
+    if (flags[i]) {  // keys may have led it out of its range: then it may not go further
+      widen_range(links[i], state_.q.data() + q);
+    } else {
+      open_range(links[i]);
+    }
     if (flags[i]) returns_[i].reset();
     if (flags[i] || !dynamic_[i] || links[i].joint == JointKind::kFixed) continue;
     JointTrack track{link, Interpolation::kCubic, {}};
@@ -110,9 +108,8 @@ void LiveFigure::evaluate(double time, double* q, double* qd, double* qdd) const
 void LiveFigure::keep_inside() {
   for (int i = 0; i < model_.link_count(); ++i) {
     const Link& link = model_.links()[static_cast<std::size_t>(i)];
-    if (!dynamic_[static_cast<std::size_t>(i)] || !has_range(link)) continue;
-    double& q = state_.q[static_cast<std::size_t>(model_.position_offset(i))];
-    q = std::clamp(q, link.lower, link.upper);
+    if (!dynamic_[static_cast<std::size_t>(i)]) continue;
+    put_inside(link, state_.q.data() + model_.position_offset(i));
   }
 }
 

@@ -73,7 +73,8 @@ void FigureStepper::Impl::rub(double length, FigureState& at) {
     }
     set_joints();
     dynamics.forward(at.q.data(), still.data(), dry_torque.data(), acceleration.data());
-    dynamics.inverse(at.q.data(), still.data(), acceleration.data(), torque.data());
+    keep_rows(at, acceleration.data(), Keep::kRates);
+    dynamics.inverse(at.q.data(), still.data(), acceleration.data(), torque.data(), pin_loads);
     impulse_scale = rate_scale = 0;
     for (const double t : torque) impulse_scale = std::max(impulse_scale, std::abs(t));
     for (std::size_t k = 0; k < at.qd.size(); ++k) rate_scale = std::max(rate_scale, std::abs(at.qd[k]));
@@ -90,6 +91,7 @@ void FigureStepper::Impl::rub(double length, FigureState& at) {
   };
   if (any && settle(slides, pass, wanted)) {
     for (std::size_t k = 0; k < at.qd.size(); ++k) at.qd[k] += acceleration[k];
+    for (std::size_t k = 0; k < pins.size(); ++k) pin_impulses[k] += pin_loads[k].force;
     for (std::size_t i = 0; i < dry.size(); ++i) {
       double& rate = at.qd[dry[i].v];
       if (!stands(dry[i]) && (slides[i] == 0 || slides[i] * rate < 0)) rate = 0;
@@ -137,8 +139,8 @@ void FigureStepper::Impl::hold_at_rest() {
     }
     set_joints();
     if (!standing.empty()) prescribe(time, state, acceleration);
-    dynamics.forward(state.q.data(), state.qd.data(), dry_torque.data(), acceleration.data());
-    dynamics.inverse(state.q.data(), state.qd.data(), acceleration.data(), torque.data());
+    answer(state, dry_torque.data(), acceleration.data());
+    dynamics.inverse(state.q.data(), state.qd.data(), acceleration.data(), torque.data(), pin_loads);
     torque_scale = rate_scale = 0;
     for (const double t : torque) torque_scale = std::max(torque_scale, std::abs(t));
     for (const double a : acceleration) rate_scale = std::max(rate_scale, std::abs(a));

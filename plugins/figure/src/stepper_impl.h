@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "anderson.h"
+#include "ball_range.h"
+#include "link_chain.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "variational_step.h"
 
@@ -35,6 +37,7 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   double locate_release(double length);
   void torques_of_stops(FigureState& at, double when);
   void keep_inside();
+  double longest_part() const;  // s, before a ball could go through its cone on the far side
   void note(double at, int joint, bool impact);
 
   // Dry friction.
@@ -58,10 +61,59 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
 
   bool finite() const;
 
+  // A range: of a joint's own number, or of the swing or the twist of a ball.
   struct Limited {
+    enum class Part : signed char { kNumber, kSwing, kTwist };
     int link, q, v;
     double lower, upper;
+    Part part;
+    int ball;  // which of `ball_ranges`
   };
+  // Where it is, rad or m: exactly at a bound that it misses by no more than a rounding. Its rate; both moved
+  // to where they belong.
+  double place_of(const Limited& joint, const FigureState& at) const;
+  double next_place(const Limited& joint) const;  // in `next`, turns counted on from those of `state`
+  double rate_of(const Limited& joint, const FigureState& at) const;
+  BallRange::Row row_of(const Limited& joint, const FigureState& at) const;
+  void put(const Limited& joint, double bound, FigureState& at) const;
+  void calm(const Limited& joint, FigureState& at) const;
+  double pull_of(std::size_t i) const;  // N m, N: what the stop gives
+  // What `acceleration` gives the range's own number; `seen` holds the rows of balls.
+  double gain_of(std::size_t i, bool with_bias) const;
+  void look_at_balls(const FigureState& at);
+
+  // Rows: balls that lean on their ranges, and pinned points. Forces along them by H^-1 J^T, one O(N) answer
+  // a row, on top of what the articulated bodies give: (32) to (34) of doc/dynamics.md.
+  struct Row {
+    int limited;  // or
+    int pin, axis;
+    Vec3 gradient;
+    double bias;
+  };
+  struct Pin {
+    LinkChain chain;
+    PinnedPoint at;
+  };
+  enum class Keep { kAccelerations, kRates };
+  bool any_rows() const;
+  void list_rows(const FigureState& at);
+  void assemble_rows(const FigureState& at);
+  void along_rows(const FigureState& at, const double* x, double* out) const;  // J x
+  void solve_rows();                                                           // `right` to `lambda`
+  void add_rows(double* to) const;                                             // H^-1 J^T lambda
+  // After forward() at that state: changes the accelerations, or increments of rates, so that the rows are
+  // kept; `wanted` (one number a row, null: none) is what they are to come to.
+  void keep_rows(const FigureState& at, double* qdd, Keep what);
+  void keep_rows_to(const FigureState& at, double* qdd, const std::vector<double>& wanted);
+  void take_loads(const FigureState& at);
+  void move(double dt);            // one step, friction apart
+  void move_with_pins(double dt);  // stopped dead where there is no way to go
+  bool went_well(double energy);
+  void make_room_for_rows();
+  void take_part();                   // what is tried is taken over
+  void settle_rows(FigureState& at);  // positions and rates on the rows to the last digits
+  // forward() with the rows kept.
+  void answer(const FigureState& at, const double* tau, double* qdd);
 
   FigureDynamics dynamics;
   Integrator integrator;
@@ -75,11 +127,21 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   std::unique_ptr<Anderson> accelerator;
   std::vector<double> rates[6], accelerations[6];
 
-  std::vector<char> chosen;         // per link: dynamic if nothing stops it
-  std::unique_ptr<bool[]> joints;   // per link, as told to the dynamics
-  std::vector<int> standing;        // links that are not dynamic
-  std::vector<Limited> limited;     // joints with a range
-  std::vector<Dry> dry;             // joints with dry friction
+  std::vector<char> chosen;        // per link: dynamic if nothing stops it
+  std::unique_ptr<bool[]> joints;  // per link, as told to the dynamics
+  std::vector<int> standing;       // links that are not dynamic
+  std::vector<Limited> limited;    // joints with a range
+  std::vector<BallRange> ball_ranges;
+  std::vector<BallRange::Row> seen;  // per range
+  std::vector<double> ball_pulls;    // N m, per range of a ball
+  std::vector<Pin> pins;
+  std::vector<Row> rows;
+  std::vector<double> columns, mobility, right, lambda, factor, row_scratch, row_wanted, row_increment,
+      row_kept, pinned_rates;
+  std::vector<int> row_order;
+  std::vector<Wrench> pin_loads;
+  std::vector<Vec3> pin_impulses, part_impulses;  // N s, of the step so far; of the part that is tried
+  std::vector<Dry> dry;                           // joints with dry friction
   std::vector<signed char> slides;  // per dry joint: the sign of its sliding, 0 for one that sticks
   std::vector<char> held;           // per dry joint: stands by its friction
   std::vector<double> dry_torque;

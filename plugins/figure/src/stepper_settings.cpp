@@ -11,10 +11,24 @@ namespace {
 void check_inside(const FigureModel& model, const FigureState& state) {
   for (int i = 0; i < model.link_count(); ++i) {
     const Link& link = model.links()[static_cast<std::size_t>(i)];
-    if (link.joint != JointKind::kHinge && link.joint != JointKind::kPrismatic) continue;
-    check_range("link " + std::to_string(i) + " '" + link.name + "' q, with limits",
-                state.q[static_cast<std::size_t>(model.position_offset(i))], link.lower, link.upper);
+    if (!has_range(link)) continue;
+    const std::string field = "link " + std::to_string(i) + " '" + link.name + "' q, with limits";
+    const double* q = state.q.data() + model.position_offset(i);
+    if (link.joint != JointKind::kBall) {
+      check_range(field, *q, link.lower, link.upper);
+    } else if (!(outside_range(link, q) <= 1e-12)) {
+      const SwingTwist turn = swing_twist(link, q);
+      throw Error(field + " swings by " + to_text(turn.swing) + " rad with a twist of " +
+                  to_text(turn.twist) + "; permitted is a cone of " + to_text(link.swing_about) + " and " +
+                  to_text(link.swing_across) + ", twist " + to_text(link.lower) + " to " +
+                  to_text(link.upper));
+    }
   }
+}
+
+[[noreturn]] void refuse_pins(const char* with) {
+  throw Error(std::string("pins with ") + with +
+              "; permitted are none there, and any with the other integrators and limits");
 }
 
 }  // namespace
@@ -52,10 +66,36 @@ void FigureStepper::set_limits(LimitMode mode) {
     throw Error(std::string("limits = ") + name(mode) + " with the integrator " + name(m.integrator) +
                 "; permitted are paper with paper, exact with the others");
   }
+  if (mode == LimitMode::kExact && m.integrator == Integrator::kVariational && !m.ball_ranges.empty()) {
+    throw Error(
+        "limits = exact with the integrator variational for balls with cones; permitted are rk4 and "
+        "dopri5 there");
+  }
+  if (mode == LimitMode::kPaper && !m.pins.empty()) refuse_pins("limits paper");
   if (mode != LimitMode::kNone) check_inside(m.dynamics.model(), m.state);
   m.limits = mode;
   std::fill(m.stops.begin(), m.stops.end(), Stop::kFree);
   m.set_joints();
+}
+
+void FigureStepper::set_pins(std::vector<PinnedPoint> pins) {
+  Impl& m = *impl_;
+  const FigureModel& model = m.dynamics.model();
+  if (!pins.empty() && m.integrator == Integrator::kVariational) refuse_pins("the integrator variational");
+  if (!pins.empty() && m.limits == LimitMode::kPaper) refuse_pins("limits paper");
+  std::vector<Impl::Pin> made;
+  for (const PinnedPoint& pin : pins) {
+    check_index("pin link", pin.link, model.link_count());
+    check_finite("pin point", pin.point);
+    check_finite("pin place", pin.place);
+    made.push_back({LinkChain(model, pin.link), pin});
+    const Vec3 now = made.back().chain.evaluate(pin.point, m.state.q.data(), nullptr, nullptr).position;
+    check_range("pin on link " + std::to_string(pin.link) + ": distance from its place",
+                (now - pin.place).norm(), 0, 1e-6);
+  }
+  m.pins = std::move(made);
+  m.make_room_for_rows();
+  m.settle_rows(m.state);
 }
 
 void FigureStepper::set_paper_friction(int link, double factor, double reference_dt) {

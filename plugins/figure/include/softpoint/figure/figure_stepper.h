@@ -22,6 +22,14 @@ struct LimitEvent {
   int link = 0;
   int side = 0;         // -1 lower, +1 upper
   bool impact = false;  // else release
+  bool swing = false;   // of a ball: its cone, else its twist
+};
+
+// A point of a link that is held where it is.
+struct PinnedPoint {
+  int link = 0;
+  Vec3 point = Vec3::Zero();  // m, in the link's frame
+  Vec3 place = Vec3::Zero();  // m, world
 };
 
 // What keeping the ranges has cost and come to.
@@ -31,6 +39,7 @@ struct LimitCounts {
   long long resteps = 0;     // steps taken again to locate an event
   long long capped = 0;      // steps of more than 1000 parts, the rest of which stopped joints at its end
   long long wrong_sign = 0;  // kPaper: joints held by a torque that pulls towards the stop
+  long long taut = 0;        // steps that pins stopped dead: a chain drawn taut, legs stretched to the full
   long long unfinished = 0;  // searches that did not come to an end (kPaper: steps)
 };
 
@@ -50,9 +59,17 @@ class SOFTPOINT_API FigureStepper {
   // stands still.
   void set_dynamic(std::span<const bool> links);
 
-  // Refused: kPaper with another integrator, kExact with the paper's; a state outside the ranges.
+  // Refused: kPaper with another integrator, kExact with the paper's; kExact of balls with cones with
+  // kVariational; a state outside the ranges.
   void set_limits(LimitMode mode);
   LimitMode limits() const;
+  // Points that stay where they are while the rest moves: loops are closed by forces found with the
+  // dynamics. What could not be kept at all, a point that no dynamic joint moves, is left alone. Rates
+  // against them are stopped at once. Refused: points farther than 1e-6 m from their places, kVariational,
+  // kPaper limits.
+  void set_pins(std::vector<PinnedPoint> pins);
+  // What each pin gave in the last step, N s on the figure.
+  std::span<const Vec3> pin_impulses() const;
   // The paper's friction of step (7): the factor, 0 to 1, by which a link's joint slows in `reference_dt` s.
   void set_paper_friction(int link, double factor, double reference_dt = 1.0 / 30);
   // Events of the last step, in order; at most 64 are kept.
