@@ -3,8 +3,10 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 #include <set>
 #include <utility>
@@ -138,6 +140,68 @@ TEST(ClothBody, SleepsCostsNothingAndWakes) {
   EXPECT_TRUE(wakes([&] { hand = scene.system.grab(scene.cloth, 7, scene.cloth.points()[7]); }));
   EXPECT_TRUE(wakes([&] { scene.system.move(hand, scene.cloth.points()[7] + Vec3(0, 0.01, 0)); }));
   EXPECT_TRUE(wakes([&] { scene.system.release(hand); }));
+}
+
+// By the processor's clock, and by what the profile counts.
+TEST(ClothBody, ASleepingClothCostsLessThanAHundredthOfAMovingOne) {
+  ClothDesign design = sheet(30);
+  design.saturation.assign(design.pattern.points.size(), 1.0);
+  OverFloor scene(design, 0.02);
+  const auto step_seconds = [&](int count) {
+    std::vector<double> seconds;
+    for (int i = 0; i < count; ++i) {
+      const std::clock_t start = std::clock();
+      for (int k = 0; k < 10; ++k) scene.world.step();
+      seconds.push_back(double(std::clock() - start) / CLOCKS_PER_SEC / 10);
+    }
+    std::nth_element(seconds.begin(), seconds.begin() + count / 2, seconds.end());
+    return seconds[static_cast<std::size_t>(count / 2)];
+  };
+  const double moving = step_seconds(3);
+  for (int i = 0; i < 1200 && !scene.cloth.asleep(); ++i) scene.world.step();
+  scene.world.step();
+  ASSERT_TRUE(scene.cloth.asleep());
+  const std::vector<Vec3> before(scene.cloth.points().begin(), scene.cloth.points().end());
+  const double asleep = step_seconds(51);
+  std::printf("    asleep %.2f us, moving %.2f us\n", 1e6 * asleep, 1e6 * moving);
+  EXPECT_LT(asleep, 0.01 * moving);
+  EXPECT_EQ(scene.system.profile().counts.sleeping, 1);
+  EXPECT_EQ(scene.system.profile().seconds.total(), 0.0);
+  EXPECT_TRUE(std::equal(before.begin(), before.end(), scene.cloth.points().begin()));
+}
+
+// Tied to two points on one side of the body, which hangs on the cloth: lighter than a fifth of the cloth to
+// twenty times as heavy.
+TEST(ClothBody, ABodyTiedToItHangsOnIt) {
+  for (const double part : {0.2, 2.0, 20.0}) {
+    OverFloor scene(sheet(20, 0.2), 0.5);
+    const double mass = part * scene.cloth.total_mass();
+    btRigidBody& box = scene.world.add_box(Vec3(0.02, 0.02, 0.02), mass, Vec3(0, 0.52, 0.11));
+    for (const std::size_t p : {380, 385, 390, 395, 399}) {
+      scene.system.grab(scene.cloth, static_cast<int>(p), scene.cloth.points()[p]);
+    }
+    const HandleId ties[] = {scene.system.attach(scene.cloth, 9, box),
+                             scene.system.attach(scene.cloth, 10, box)};
+    const auto distance = [&](std::size_t point) {
+      const btVector3 at = box.getWorldTransform().getOrigin();
+      return (scene.cloth.points()[point] - Vec3(at.x(), at.y(), at.z())).norm();
+    };
+    const double before[] = {distance(9), distance(10)};
+    scene.world.step(240);
+    double pull = 0, apart = 0;
+    for (int i = 0; i < 60; ++i) {
+      scene.world.step();
+      for (int k = 0; k < 2; ++k) {
+        pull -= scene.system.handle_force(ties[k]).y() / 60;
+        apart = std::max(apart, std::abs(distance(static_cast<std::size_t>(9 + k)) - before[k]));
+      }
+    }
+    std::printf("    %.1f of the cloth: pulls with %.4f of its weight, ties %.1e m apart, stretch %.4f\n",
+                part, pull / (9.81 * mass), apart, scene.cloth.stretch().largest);
+    EXPECT_NEAR(pull, 9.81 * mass, 0.1 * 9.81 * mass) << part;
+    EXPECT_LT(apart, 1e-4) << part;
+    EXPECT_EQ(scene.cloth.guard_fired(), 0) << part;
+  }
 }
 
 TEST(ClothBody, ASnapshotGoesOnWithTheSameBits) {

@@ -39,6 +39,9 @@ struct ClothHand {
   bool starts = false;
   Vec3 start = Vec3::Zero();           // m
   Vec3 start_velocity = Vec3::Zero();  // m/s
+  // Of a hand that gives way, kg, 0: none does: within a small step it goes on from `start`, where it is when
+  // it is set, with `velocity`, and pulls with what changes the velocity of such a mass to that of the point.
+  double mass = 0;
 };
 
 // What a pocket is at the end of a small step.

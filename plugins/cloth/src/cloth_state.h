@@ -34,6 +34,7 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
   void gather(const NearColliders& near, double dt, const Vec3& acceleration);
   bool find_bubbles(const NearColliders& near);
   void place_hands(double rest, NearColliders& near, std::span<HeldPoint> held);
+  double tied_mass(const NearColliders& near, int collider, const Vec3& point) const;
   ClothHand hand_for(const HeldPoint& held, double rest, const NearColliders& near) const;
   void follow(NearColliders& near, double rest, std::span<HeldPoint> held);
   void feel_air();
@@ -82,6 +83,7 @@ struct __attribute__((visibility("hidden"))) Cloth::State {
     double share = 0;
   };
   std::vector<HandOf> hand_of;
+  std::vector<int> ties;  // points tied to each collider
 
   // Where the targets of handles were, so that hands move at their own speed.
   struct LastTarget {

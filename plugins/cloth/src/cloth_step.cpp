@@ -93,6 +93,10 @@ void Cloth::State::place_hands(double rest, NearColliders& near, std::span<HeldP
   const bool starts = rest == dt;
   hands.clear();
   hand_of.assign(held.size(), {});
+  ties.assign(static_cast<std::size_t>(near.colliders()), 0);
+  for (const HeldPoint& point : held) {
+    if (point.collider >= 0) ++ties[static_cast<std::size_t>(point.collider)];
+  }
   for (std::size_t i = 0; i < held.size(); ++i) {
     ClothHand hand = hand_for(held[i], rest, near);
     hand.starts = starts;
@@ -142,6 +146,10 @@ ClothHand Cloth::State::hand_for(const HeldPoint& held, double rest, const NearC
     const Vec3 now = near.to_world(held.collider, held.target);
     hand.velocity = near.velocity_at(held.collider, now);
     hand.target = now + rest * hand.velocity;
+    if (near.collider(held.collider).movable) {
+      hand.start = now;
+      hand.mass = tied_mass(near, held.collider, now);
+    }
     return hand;
   }
   for (const LastTarget& last : last_targets) {
@@ -154,6 +162,22 @@ ClothHand Cloth::State::hand_for(const HeldPoint& held, double rest, const NearC
     }
   }
   return hand;
+}
+
+// What a collider weighs for a pull at `point`, kg, shared by the points tied to it: the least in any
+// direction. A tie that the body follows only after each small step would swing up what is not far heavier
+// than the springs feel: h^2 k.
+double Cloth::State::tied_mass(const NearColliders& near, int collider, const Vec3& point) const {
+  Eigen::Matrix<double, 6, 6> block;
+  near.mobility(collider, block.data());
+  const Vec3 arm = point - near.center(collider);
+  Eigen::Matrix<double, 3, 6> carried;       // velocity at the point per (velocity, spin)
+  carried << 1, 0, 0, 0, arm.z(), -arm.y(),  //
+      0, 1, 0, -arm.z(), 0, arm.x(),         //
+      0, 0, 1, arm.y(), -arm.x(), 0;
+  const Mat3 gives = carried * block * carried.transpose();
+  const double most = gives.norm();
+  return most > 0.0 ? 1.0 / (most * std::max(1, ties[static_cast<std::size_t>(collider)])) : 0.0;
 }
 
 // What moves within the frame: planes of colliders that curve or move, hands tied to them, air over them.

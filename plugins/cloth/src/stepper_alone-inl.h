@@ -50,6 +50,9 @@ void SweepStepper<T>::solve_alone(int slot, const Hand* hand, const PointContact
   Mat3 h;
   h << hs[0], hs[3 * n], hs[4 * n], hs[3 * n], hs[n], hs[5 * n], hs[4 * n], hs[5 * n], hs[2 * n];
   Vec3 g = vector_at(A::kG, slot);
+  const Mat3 own = h;
+  const double pull = hand != nullptr ? hand->mass / (h_ * h_) : 0.0;
+  h.diagonal().array() += pull;
   const int pocket = air_ ? arrays_.slot_pocket[slot] : -1;
   const Vec3 area = pocket >= 0 ? vector_at(A::kV, slot) : Vec3::Zero();
   if (pocket >= 0) {
@@ -60,13 +63,17 @@ void SweepStepper<T>::solve_alone(int slot, const Hand* hand, const PointContact
     g -= gauges_[pocket] * area;
     gauges_[pocket] = kept;
   }
-  Vec3 dx = -h.inverse() * g, force = Vec3::Zero();
+  const Vec3 there = hand != nullptr ? Vec3(hand->at - local(slot)) : Vec3::Zero();
+  Vec3 dx = h.inverse() * (pull * there - g), force = Vec3::Zero();
   T state = T(0);
-  if (hand != nullptr) {
-    const Vec3 need = h * (hand->at - local(slot) - dx);
+  if (hand != nullptr && pull > 0) {
+    const Vec3 need = pull * (there - dx);
     const double size = need.norm();
-    dx = size <= hand->max_force ? Vec3(hand->at - local(slot))
-                                 : Vec3(dx + h.inverse() * need * (hand->max_force / size));
+    if (size > hand->max_force) dx = own.inverse() * (need * (hand->max_force / size) - g);
+  } else if (hand != nullptr) {
+    const Vec3 need = h * (there - dx);
+    const double size = need.norm();
+    dx = size <= hand->max_force ? there : Vec3(dx + h.inverse() * need * (hand->max_force / size));
   }
   if (contacts != nullptr && contacts->count > 0) {
     const Vec3 free = dx;

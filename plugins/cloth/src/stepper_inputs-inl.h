@@ -98,12 +98,15 @@ void SweepStepper<T>::hands_changed() {
     have[i].to = wanted[i].target;
     have[i].to_velocity = wanted[i].velocity;
     have[i].max_force = wanted[i].max_force;
-    have[i].limited = std::isfinite(wanted[i].max_force);
-    if (wanted[i].starts) {
+    have[i].mass = wanted[i].mass;
+    have[i].limited = std::isfinite(wanted[i].max_force) || wanted[i].mass > 0;
+    if (wanted[i].starts || wanted[i].mass > 0) {
       have[i].from = wanted[i].start;
       have[i].from_velocity = wanted[i].start_velocity;
     }
+    if (wanted[i].mass > 0) have[i].to = wanted[i].start;
   }
+  hands_time_ = time_;
 }
 
 template <class T>
@@ -223,6 +226,10 @@ template <class T>
 void SweepStepper<T>::load_hands() {
   const double t = std::min(1.0, (time_ + h_) / dt_);
   for (Hand& hand : hands_) {
+    if (hand.mass > 0) {
+      hand.at = hand.from + (time_ + h_ - hands_time_) * hand.to_velocity - origin_;
+      continue;
+    }
     const double b = t * t * (3 - 2 * t), c = t * (1 - t) * (1 - t), d = t * t * (t - 1);
     const Vec3 at =
         hand.from + b * (hand.to - hand.from) + dt_ * (c * hand.from_velocity + d * hand.to_velocity);

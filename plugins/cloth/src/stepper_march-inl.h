@@ -30,6 +30,9 @@ template <class T>
 bool SweepStepper<T>::may_march() {
   const double longest = in_->settings.march_step;
   if (!marches_ || march_off_ || planes_move_ || !wedges_.empty() || !strays_.empty()) return false;
+  for (const Hand& hand : hands_) {
+    if (hand.mass > 0) return false;
+  }
   march_count_ = static_cast<int>(std::ceil(h_ / longest - 1e-9));
   const double h = h_ / march_count_;
   march_share_ = 1.21 * h * (h + 2 * in_->fabric.damping_time) / 4;

@@ -69,7 +69,8 @@ Vec3 SweepStepper<T>::gradient(int slot, bool dynamic) const {
 // point whose hand is of limited force is not the hand's.
 template <class T>
 Vec3 SweepStepper<T>::force_of(const Hand& hand) const {
-  const Vec3 force = gradient(hand.slot, true) - vector_at(SweepArrays<T>::kC, hand.slot);
+  const Vec3 force = hand.mass > 0 ? Vec3(hand.mass / (h_ * h_) * (hand.at - local(hand.slot)))
+                                   : gradient(hand.slot, true) - vector_at(SweepArrays<T>::kC, hand.slot);
   const double size = force.norm();
   return hand.limited && size > hand.max_force ? Vec3(hand.max_force / size * force) : force;
 }

@@ -134,6 +134,7 @@ int SweepStepper<T>::begin_frame(double dt) {
   coarse_made_ = march_off_ = false;
   march_fresh_ = true;
   contacts_time_ -= time_;
+  hands_time_ -= time_;
   time_ = 0;
   ++profile.frames;
   return count;

@@ -58,6 +58,7 @@ class SweepStepper final : public ClothStepper {
     int colour = -1;
     bool limited = false;
     double max_force = 0;
+    double mass = 0;  // kg; of one that gives way
     Vec3 from = Vec3::Zero(), from_velocity = Vec3::Zero();  // world, at the start of the frame
     Vec3 to = Vec3::Zero(), to_velocity = Vec3::Zero();      // world, at its end
     Vec3 impulse = Vec3::Zero();                             // N s, of the last small step
@@ -177,6 +178,7 @@ class SweepStepper final : public ClothStepper {
   Vec3 origin_ = Vec3::Zero();
   double dt_ = 0, h_ = 0, time_ = 0;  // of the frame, of a small step, since the frame began
   double contacts_time_ = 0;          // when the contacts were set
+  double hands_time_ = 0;             // when the hands were set
   double shorter_ = 0;                // of the small step as points of second order see it
   double h_before_ = 0;               // of the small step before
   bool fresh_ = true;                 // there is none before
