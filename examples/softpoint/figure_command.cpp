@@ -35,7 +35,7 @@ constexpr long long kMaxSteps = 1'000'000'000, kMaxRows = 10'000'000;
 
 struct FigureOptions {
   std::string model, base, state, dynamic, prescribe, trace, bvh;
-  double time = 0, step = 0;
+  double time = 0, step = 0, scale = 1;
   std::string integrator = "rk4", limits = "none";
   std::vector<double> gravity = {0, 0, -9.81};
   long long every = 1;
@@ -129,12 +129,20 @@ FigureModel model_of(const FigureOptions& options) {
     throw Error(fmt::format("--base {}: {} says itself how it stands; permitted with a .urdf", options.base,
                             options.model));
   }
-  if (urdf) {
+  if (urdf && options.scale == 1) {
     return figure::read_urdf_file(options.model, options.base == "free"    ? figure::UrdfBase::kFree
                                                  : options.base == "fixed" ? figure::UrdfBase::kFixed
                                                                            : figure::UrdfBase::kAuto);
   }
-  if (extension == ".bvh") return figure::bvh_figure(figure::read_bvh_file(options.model));
+  if (extension == ".bvh") {
+    figure::BvhFigureSettings settings;
+    settings.scale = options.scale;
+    return figure::bvh_figure(figure::read_bvh_file(options.model), settings);
+  }
+  if (options.scale != 1) {
+    throw Error(fmt::format("--scale {}: {} is in metres; permitted with a .bvh", to_text(options.scale),
+                            options.model));
+  }
   return figure::read_amdl_file(options.model);
 }
 
@@ -233,6 +241,8 @@ Command add_figure_command(CLI::App& program) {
   app->add_option("MODEL", options->model, "Figure (.amdl, .urdf; .bvh: a skeleton)")->required();
   app->add_option("--base", options->base, "Root of a .urdf; if absent free if it has a mass")
       ->check(CLI::IsMember({"free", "fixed"}));
+  app->add_option("--scale", options->scale, "Metres a unit of a .bvh; 1 if absent")
+      ->check(CLI::Range(1e-6, 1e6));
   app->add_option("--state", options->state, "Start (JSON); at rest if absent");
   app->add_option("--dynamic", options->dynamic,
                   "Joints left to dynamics: JOINT,... or all or none; if absent all but the prescribed ones");

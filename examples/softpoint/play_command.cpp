@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "command.h"
+#include "figure_motion_files.h"
 #include "metrics_recorder.h"
 #include "picture_output.h"
 #include "player.h"
@@ -24,7 +25,7 @@ namespace softpoint::inline SOFTPOINT_ABI::scene {
 namespace {
 
 struct PlayOptions {
-  std::string scene, out, size, metrics, trace, precision;
+  std::string scene, out, size, metrics, trace, bvh, precision;
   int frames = 0;
   bool video = false, no_pictures = false;
 };
@@ -112,6 +113,8 @@ int play(const PlayOptions& options, const std::vector<std::string>& arguments) 
   if (!options.trace.empty()) {
     trace.emplace(player);
   }
+  std::optional<FigureMotionFiles> motion;
+  if (!options.bvh.empty()) motion.emplace(player, options.bvh);
 
   double step_seconds = 0;
   {
@@ -125,6 +128,7 @@ int play(const PlayOptions& options, const std::vector<std::string>& arguments) 
       if (trace) {
         trace->record();
       }
+      if (motion) motion->record();
       if (pictures) {
         pictures->take();
       }
@@ -141,6 +145,9 @@ int play(const PlayOptions& options, const std::vector<std::string>& arguments) 
   if (trace) {
     write_atomically(options.trace, trace->csv());
     fmt::print("{}\n", options.trace);
+  }
+  if (motion) {
+    for (const std::string& file : motion->write()) fmt::print("{}\n", file);
   }
   if (pictures) {
     pictures->finish();
@@ -166,6 +173,8 @@ Command add_play_command(CLI::App& program, const std::vector<std::string>& argu
   app->add_flag("--no-pictures", options->no_pictures, "Write no pictures");
   app->add_option("--metrics", options->metrics, "Write measurements (JSON)");
   app->add_option("--trace", options->trace, "Write a row a frame (CSV)");
+  app->add_option("--bvh", options->bvh,
+                  "Folder for the motion of each figure, for animation programs (BVH)");
   app->add_option("--precision", options->precision, "Of Bullet's numbers; this program's own if absent")
       ->check(CLI::IsMember({"single", "double"}));
   return {app, [options, arguments] { return play(*options, arguments); }};

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scene.h"
+#include "scene_figure_file.h"
 #include "scene_figure_links.h"
 #include "scene_limits.h"
 #include "scene_rigid_reader.h"
@@ -151,6 +152,46 @@ figure::PlaceInterval read_place(ObjectReader& entry, const std::vector<Link>& l
   return place;
 }
 
+// The links of the document, or a file's.
+FigureLinks read_links(ObjectReader& item, FigureSpec& spec) {
+  FigureLinks parts;
+  FigureFromFile file = read_figure_file(item);
+  const int count = item.list("links", {.max = 1000, .optional = true, .doc = "parents first; or `model`"},
+                              [&](ObjectReader& link, int) { read_figure_link(link, parts); });
+  if (item.describing()) return parts;
+  if (file.model == nullptr && count == 0) {
+    item.refuse("links", "absent or empty; permitted are 1 to 1000 of them, or a model");
+  }
+  if (file.model != nullptr) {
+    if (count > 0) item.refuse("links", "beside a model; permitted is one of the two");
+    parts.links = file.model->links();
+    parts.capsules = std::move(file.capsules);
+    spec.model = std::move(file.model);
+    spec.clip.tracks = std::move(file.tracks);
+  }
+  return parts;
+}
+
+double last_key(const figure::FigureClip& clip) {
+  double last = 0;
+  for (const JointTrack& track : clip.tracks) {
+    if (!track.keys.empty()) last = std::max(last, track.keys.back().time);
+  }
+  return last;
+}
+
+// Keys of the document go before those of a motion's file.
+void put_track(JointTrack track, int from_file, std::vector<JointTrack>& tracks) {
+  for (int i = 0; i < from_file; ++i) {
+    JointTrack& old = tracks[static_cast<std::size_t>(i)];
+    if (old.link == track.link) {
+      old = std::move(track);
+      return;
+    }
+  }
+  tracks.push_back(std::move(track));
+}
+
 }  // namespace
 
 FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& surroundings,
@@ -158,9 +199,7 @@ FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& sur
   FigureSpec spec;
   spec.name = item.text("name", {.fallback = "", .doc = "for results"});
   spec.color = read_color(item);
-  FigureLinks parts;
-  item.list("links", {.min = 1, .max = 1000, .doc = "parents first"},
-            [&](ObjectReader& link, int) { read_figure_link(link, parts); });
+  FigureLinks parts = read_links(item, spec);
   spec.clip.capsules = parts.capsules;
   spec.clip.obstacles = figure_obstacles(surroundings);
   spec.settings.gravity = gravity;
@@ -175,26 +214,34 @@ FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& sur
                                  {.fallback = "cubic", .doc = "smooth, quintic: no jump of acceleration"});
   const std::vector<double> times =
       item.numbers("key_times", {.quantity = Quantity::kTime, .low = 0, .high = kLongestClip},
-                   {.min = 1, .max = 10000, .doc = "ascending, of all keyframes"});
+                   {.min = 1, .max = 10000, .optional = true, .doc = "ascending, of all keyframes"});
+  const auto from_file = static_cast<int>(spec.clip.tracks.size());
+  for (JointTrack& track : spec.clip.tracks) track.interpolation = kind;
   JointTrack base = read_base(item, kind, times);
-  if (!base.keys.empty()) spec.clip.tracks.push_back(std::move(base));
-  item.list(
-      "joints", {.optional = true, .doc = "that move; the others stay at 0"},
-      [&](ObjectReader& key, int) { spec.clip.tracks.push_back(read_track(key, kind, times, parts.links)); });
+  if (!base.keys.empty()) put_track(std::move(base), from_file, spec.clip.tracks);
+  item.list("joints", {.optional = true, .doc = "that move; the others as the model's file says, or at 0"},
+            [&](ObjectReader& key, int) {
+              put_track(read_track(key, kind, times, parts.links), from_file, spec.clip.tracks);
+            });
   item.list(
       "dynamic", {.optional = true, .doc = "limbs left to zero-torque dynamics for a time"},
       [&](ObjectReader& entry, int) { spec.clip.dynamics.push_back(read_interval(entry, parts.links)); });
   item.list("places",
             {.optional = true, .doc = "what the place of the whole goes by for a time; else its keys"},
             [&](ObjectReader& entry, int) { spec.clip.places.push_back(read_place(entry, parts.links)); });
-  spec.clip.end = read_clip_time(item, "end", "of the animation, which begins with the scene");
+  const auto end = item.optional_number("end", {.quantity = Quantity::kTime,
+                                                .low = 0,
+                                                .high = kLongestClip,
+                                                .doc = "of the animation, which begins with the scene; if "
+                                                       "absent the last key"});
   if (item.describing()) return spec;
+  spec.clip.end = end.value_or(last_key(spec.clip));
   const double steps = spec.clip.end / spec.settings.frame_time * spec.settings.substeps;
   if (steps > kMostSteps) {
     item.refuse("end", fmt::format("{} steps of the animation; permitted are up to {}", steps, kMostSteps));
   }
   try {
-    spec.model = std::make_shared<const figure::FigureModel>(std::move(parts.links));
+    if (!spec.model) spec.model = std::make_shared<const figure::FigureModel>(std::move(parts.links));
     figure::FigureAnimation(*spec.model, spec.clip, spec.settings);
   } catch (const Error& error) {
     item.refuse(error.what());

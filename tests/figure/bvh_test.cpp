@@ -9,6 +9,7 @@
 
 #include "softpoint/core/error.h"
 #include "softpoint/figure/amdl.h"
+#include "softpoint/figure/figure_animation.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "support.h"
 #include "support/refusal.h"
@@ -144,6 +145,33 @@ TEST(Bvh, FiguresOfSkeletonsStandAsTheFileSays) {
   for (int i = 0; i < 60; ++i) EXPECT_TRUE(stepper.step(1.0 / 60));
   expect_refusal([&] { bvh_positions(clip, 2); }, {"bvh frame = 2"});
   expect_refusal([&] { bvh_figure(clip, {0, 1000, 0.1}); }, {"bvh scale = 0"});
+}
+
+// The clip's motion as keys passes through every frame, and its bones are shapes.
+TEST(Bvh, MotionAsKeysAndBonesAsCapsules) {
+  const BvhClip clip = walker();
+  const BvhFigureSettings inches{0.0254, 1000, 0.15};
+  const FigureModel model = bvh_figure(clip, inches);
+  FigureClip keyed;
+  keyed.tracks = bvh_tracks(clip, Interpolation::kCubic, inches);
+  keyed.capsules = bvh_capsules(clip, inches);
+  keyed.end = clip.frame_time;
+  ASSERT_EQ(keyed.capsules.size(), 5u);
+  EXPECT_EQ(keyed.capsules[3].link, 2);  // from chest to head
+  EXPECT_LE((keyed.capsules[3].to - Vec3(0, 2.5 * 0.0254, 0)).norm(), 1e-15);
+  AnimationSettings settings;
+  settings.frame_time = clip.frame_time;
+  FigureAnimation animation(model, keyed, settings);
+  animation.evaluate();
+  ASSERT_EQ(animation.frame_count(), 2);
+  for (int frame = 0; frame < 2; ++frame) {
+    const std::vector<double> q = bvh_positions(clip, frame, inches);
+    for (std::size_t k = 0; k < q.size(); ++k) EXPECT_NEAR(animation.frame(frame).q[k], q[k], 1e-12);
+  }
+  EXPECT_EQ(animation.counts().forward_calls, 0);
+  BvhClip still = clip;
+  still.values.clear();
+  expect_refusal([&] { bvh_tracks(still, Interpolation::kCubic); }, {"bvh frames: none"});
 }
 
 TEST(Bvh, RecordsTheMotionOfAnyFigure) {

@@ -205,6 +205,48 @@ TEST(FigureLaws, GimbalLockStaysFinite) {
   EXPECT_LE(turning, 1e4);
 }
 
+// A limp arm whose hand and fingers weigh next to nothing: energy of the arm makes them turn by hundreds of
+// radians a second, which explicit stages of a thirtieth of a second could not follow.
+TEST(FigureLaws, LightHandsOfLimpArmsStayFinite) {
+  std::vector<Link> links;
+  const double lengths[] = {0.3, 0.2, 0.04, 0.03, 0.02};
+  for (int i = 0; i < 5; ++i) {
+    Link link;
+    link.name = "link" + std::to_string(i);
+    link.parent = i - 1;
+    link.joint = JointKind::kBall;
+    if (i > 0) link.origin = Vec3(0, 0, lengths[i - 1]);
+    const double radius = 0.1 * lengths[i];
+    set_cylinder(link, 1000 * std::numbers::pi * radius * radius * lengths[i], radius, lengths[i]);
+    links.push_back(link);
+  }
+  const FigureModel model(links);
+  RandomFigures random(19);
+  for (const Integrator how : {Integrator::kRungeKutta4, Integrator::kDormandPrince}) {
+    for (const double dt : {1.0 / 15, 1.0 / 30, 1.0 / 240}) {
+      long long parts = 0;
+      double worst = 0, fastest = 0;
+      for (int trial = 0; trial < 5; ++trial) {
+        FigureStepper stepper(model, random.state(model), how);
+        const double energy = stepper.energy();
+        double highest = energy;
+        for (double t = 0; t < 5; t += dt) {
+          ASSERT_TRUE(stepper.step(dt)) << dt;
+          for (const double rate : stepper.state().qd) fastest = std::max(fastest, std::abs(rate));
+          highest = std::max(highest, stepper.energy());
+        }
+        worst = std::max(worst, highest - energy);
+        parts += stepper.parts();
+        EXPECT_EQ(stepper.guard_fired(), 0);
+      }
+      std::printf("    %s, %.4f s: %lld parts, up to %.0f rad/s, energy at most %.1e J higher\n", name(how),
+                  dt, parts, fastest, worst);
+      EXPECT_LE(worst, 1e-3);
+      EXPECT_GT(parts, 1000);
+    }
+  }
+}
+
 TEST(FigureLaws, MassesOfEverySizeAreRefusedOrHandled) {
   RandomFigures random(81);
   int refused = 0, handled = 0;

@@ -70,6 +70,40 @@ TEST(Urdf, RangesBasesAndJointsAreTakenOver) {
   EXPECT_EQ(read_urdf(floating, "a").links()[1].joint, JointKind::kFree);
 }
 
+// What files made for Bullet hold besides.
+TEST(Urdf, SphericalJointsAndShapesForCollisionAreTakenOver) {
+  if (!has_urdf()) GTEST_SKIP() << "built without liburdfdom";
+  std::string text = pendulum("", "spherical");
+  const auto put = [&](const std::string& link, const std::string& geometry) {
+    const std::string head = "<link name='" + link + "'>";
+    text.insert(text.find(head) + head.size(),
+                "<collision><origin xyz='0 0 -0.5' rpy='0 1.5707963267948966 0'/><geometry>" + geometry +
+                    "</geometry></collision>");
+  };
+  put("stand", "<box size='1 0.2 0.3'/>");
+  put("upper", "<capsule radius='0.1' length='0.6'/>");
+  put("lower", "<cylinder radius='0.1' length='0.6'/>");
+  put("lower", "<sphere radius='0.2'/>");
+  put("upper", "<mesh filename='none.stl'/>");
+  std::vector<LinkCapsule> capsules(7);
+  const FigureModel model = read_urdf(text, "a", UrdfBase::kAuto, &capsules);
+  EXPECT_EQ(model.links()[2].joint, JointKind::kBall);
+  EXPECT_EQ(model.joint_name(2), "elbow");
+  ASSERT_EQ(capsules.size(), 4u);
+  const auto is = [&](std::size_t k, int link, double half, double radius, const Vec3& along) {
+    EXPECT_EQ(capsules[k].link, link);
+    EXPECT_NEAR(capsules[k].radius, radius, 1e-12);
+    EXPECT_LE((capsules[k].from - (Vec3(0, 0, -0.5) - half * along)).norm(), 1e-12);
+    EXPECT_LE((capsules[k].to - (Vec3(0, 0, -0.5) + half * along)).norm(), 1e-12);
+  };
+  is(0, 0, 0.4, 0.1, -Vec3::UnitZ());  // the box's x is turned downwards
+  is(1, 1, 0.3, 0.1, Vec3::UnitX());
+  is(2, 2, 0, 0.2, Vec3::UnitX());
+  is(3, 2, 0.2, 0.1, Vec3::UnitX());
+  expect_refusal([&] { read_urdf("<robot name='x'/>", "a", UrdfBase::kAuto, &capsules); }, {"a"});
+  EXPECT_EQ(capsules.size(), 4u);
+}
+
 TEST(Urdf, RefusesWithTheReason) {
   if (!has_urdf()) {
     expect_refusal([] { read_urdf(pendulum(), "a.urdf"); }, {"a.urdf", "without liburdfdom"});
@@ -77,7 +111,6 @@ TEST(Urdf, RefusesWithTheReason) {
   }
   expect_refusal([] { read_urdf("", "a.urdf"); }, {"a.urdf", "no robot description"});
   expect_refusal([] { read_urdf("<robot name='x'/>", "a.urdf"); }, {"a.urdf"});
-  expect_refusal([] { read_urdf(pendulum("", "spherical"), "a.urdf"); }, {"a.urdf", "spherical"});
   expect_refusal([] { read_urdf(pendulum("", "planar"), "a.urdf"); },
                  {"a.urdf joint 'elbow'", "planar", "permitted"});
   expect_refusal([] { read_urdf(pendulum("", "floating"), "a.urdf"); }, {"joint 'elbow' is floating"});

@@ -164,6 +164,9 @@ std::vector<json> figures() {
       json::parse(R"({"begin": 0, "end": 0.1, "rule": "feet", "link": "foot", "other": "arm"})");
   doll.erase("dynamic");
   all.push_back(d);
+  d["figures"] = json::parse(R"([{"end": 0.1, "model": {"file": "stroll.bvh", "base": "auto", "scale": 0.01,
+    "density": 1000, "thickness": 0.1, "up": "z", "position": [0, 0, 0]}}])");
+  all.push_back(d);
   return all;
 }
 

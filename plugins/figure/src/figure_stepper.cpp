@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "group_motion.h"
-#include "runge_kutta.h"
 #include "softpoint/core/error.h"
 #include "stepper_impl.h"
 
@@ -15,7 +14,7 @@ PrescribedMotion::~PrescribedMotion() = default;
 FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrator how)
     : dynamics(model), integrator(how), state(std::move(start)) {
   check_state(model, state);
-  next = stage = begin = whole = before_friction = state;
+  next = stage = begin = whole = parts_from = before_friction = state;
   const auto n = static_cast<std::size_t>(model.velocity_count());
   const auto links = static_cast<std::size_t>(model.link_count());
   for (std::vector<double>* v : {&increment, &acceleration, &torque, &still, &friction, &change, &dry_torque})
@@ -32,6 +31,11 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
     const Link& link = model.links()[static_cast<std::size_t>(i)];
     const int q = model.position_offset(i), v = model.velocity_offset(i);
     const bool one = link.joint == JointKind::kHinge || link.joint == JointKind::kPrismatic;
+    for (int k = 0; k < velocity_count(link.joint); ++k) {
+      const bool turns = link.joint == JointKind::kHinge || link.joint == JointKind::kBall ||
+                         (link.joint == JointKind::kFree && k < 3);
+      if (turns) turning.push_back(static_cast<std::size_t>(v + k));
+    }
     if (one && has_range(link)) {
       limited.push_back({i, q, v, link.lower, link.upper, Limited::Part::kNumber, -1});
     } else if (has_range(link)) {
@@ -102,36 +106,10 @@ void FigureStepper::Impl::advance(double dt) {
   } else if (integrator == Integrator::kVariational) {
     advance_by_variation(dt);
   } else {
-    advance_by_stages(dt);
+    advance_by_stages(dt, butcher_table(integrator));
   }
   if (!standing.empty()) prescribe(time + dt, next, acceleration);
   settle_rows(next);
-}
-
-void FigureStepper::Impl::advance_by_stages(double dt) {
-  const ButcherTable& table = butcher_table(integrator);
-  const FigureModel& model = dynamics.model();
-  const std::size_t n = state.qd.size();
-  const auto look_ahead = [&](const double* weights, int count, FigureState& to) {
-    for (std::size_t k = 0; k < n; ++k) {
-      double d = 0, v = 0;
-      for (int j = 0; j < count; ++j) {
-        d += weights[j] * rates[j][k];
-        v += weights[j] * accelerations[j][k];
-      }
-      increment[k] = dt * d;
-      to.qd[k] = state.qd[k] + dt * v;
-    }
-    move_by(model, state.q.data(), increment.data(), to.q.data());
-  };
-  for (int i = 0; i < table.stages; ++i) {
-    look_ahead(table.a[i], i, stage);
-    if (!standing.empty()) prescribe(time + table.c[i] * dt, stage, accelerations[i]);
-    answer(stage, nullptr, accelerations[i].data());
-    for (std::size_t k = 0; k < pins.size(); ++k) part_impulses[k] += dt * table.b[i] * pin_loads[k].force;
-    increment_rate(model, increment.data(), stage.qd.data(), rates[i].data());
-  }
-  look_ahead(table.b, table.stages, next);
 }
 
 // Equations (5) and (6) of the paper.
@@ -202,6 +180,8 @@ void FigureStepper::set_prescribed_motion(const PrescribedMotion* motion) { impl
 const FigureState& FigureStepper::state() const { return impl_->state; }
 double FigureStepper::time() const { return impl_->time; }
 long long FigureStepper::guard_fired() const { return impl_->guard_fired; }
+long long FigureStepper::unsolved() const { return impl_->unsolved; }
+long long FigureStepper::parts() const { return impl_->parts; }
 LimitMode FigureStepper::limits() const { return impl_->limits; }
 std::span<const Vec3> FigureStepper::pin_impulses() const { return impl_->pin_impulses; }
 std::span<const LimitEvent> FigureStepper::events() const { return impl_->events; }

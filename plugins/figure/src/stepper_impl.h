@@ -6,6 +6,7 @@
 #include "anderson.h"
 #include "ball_range.h"
 #include "link_chain.h"
+#include "runge_kutta.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "variational_step.h"
 
@@ -19,7 +20,8 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
 
   // The plain step from `state` by `dt` into `next`: what is stopped stands still.
   void advance(double dt);
-  void advance_by_stages(double dt);
+  void advance_by_stages(double dt, const ButcherTable& table);
+  double part_of(double dt) const;  // s, of which no joint turns further than explicit stages can follow
   void advance_as_paper(double dt);
   void advance_by_variation(double dt);
   bool solve_variational(double dt);  // false: no end was found
@@ -118,19 +120,20 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   FigureDynamics dynamics;
   Integrator integrator;
   LimitMode limits = LimitMode::kNone;
-  FigureState state, next, stage, begin, whole, before_friction;
+  FigureState state, next, stage, begin, whole, parts_from, before_friction;
   const PrescribedMotion* motion = nullptr;
   double time = 0;
-  long long guard_fired = 0;
+  long long guard_fired = 0, unsolved = 0, parts = 0;
   std::vector<double> increment, acceleration, torque, still, change;
   std::unique_ptr<VariationalStep> variational;  // of that integrator alone
   std::unique_ptr<Anderson> accelerator;
   std::vector<double> rates[6], accelerations[6];
 
-  std::vector<char> chosen;        // per link: dynamic if nothing stops it
-  std::unique_ptr<bool[]> joints;  // per link, as told to the dynamics
-  std::vector<int> standing;       // links that are not dynamic
-  std::vector<Limited> limited;    // joints with a range
+  std::vector<char> chosen;          // per link: dynamic if nothing stops it
+  std::unique_ptr<bool[]> joints;    // per link, as told to the dynamics
+  std::vector<int> standing;         // links that are not dynamic
+  std::vector<Limited> limited;      // joints with a range
+  std::vector<std::size_t> turning;  // degrees of freedom in rad
   std::vector<BallRange> ball_ranges;
   std::vector<BallRange::Row> seen;  // per range
   std::vector<double> ball_pulls;    // N m, per range of a ball

@@ -15,7 +15,11 @@ constexpr int kMostRounds = 40, kRoundsToDescend = 12;
 constexpr double kDescended = 1e-2;    // rad or m: by then
 constexpr double kSolved = 1e-14;      // of the largest increment and a hundredth rad or m
 constexpr double kAcceptable = 1e-11;  // where roundings end the search
-constexpr int kMostHalvings = 12;
+// Roundings weigh more where a light link carries heavy ones: a search that has come so near and no nearer
+// for so many rounds has met them.
+constexpr double kStalled = 1e-6;
+constexpr int kStalledRounds = 5;
+constexpr int kMostHalvings = 6;
 
 }  // namespace
 
@@ -31,7 +35,8 @@ bool FigureStepper::Impl::solve_variational(double dt) {
   dynamics.forward(state.q.data(), state.qd.data(), nullptr, acceleration.data());
   for (std::size_t k = 0; k < n; ++k) increment[k] = dt * (state.qd[k] + 0.5 * dt * acceleration[k]);
   accelerator->restart();
-  double before = 1e300;
+  double before = 1e300, nearest = 1e300;
+  int nearest_round = 0;
   bool solved = false;
   for (int round = 0; round < kMostRounds && !solved; ++round) {
     move_by(model, state.q.data(), increment.data(), next.q.data());
@@ -57,7 +62,16 @@ bool FigureStepper::Impl::solve_variational(double dt) {
     const bool stuck = largest >= 0.3 * before && largest <= kAcceptable * (0.01 + size);
     solved = largest <= kSolved * (0.01 + size) || stuck;
     before = largest;
-    if (!solved) accelerator->move(increment, change);
+    if (solved) break;
+    if (largest < 0.5 * nearest) {
+      nearest = largest;
+      nearest_round = round;
+    } else if (round - nearest_round >= kStalledRounds && largest <= 2 * nearest &&
+               largest <= kStalled * (0.01 + size)) {
+      solved = true;
+      break;
+    }
+    accelerator->move(increment, change);
   }
   dynamics.set_implicit_time(0);
   if (!solved) return false;
@@ -91,11 +105,12 @@ void FigureStepper::Impl::advance_by_variation(double dt) {
   while (done < dt) {
     const double part = std::min(std::ldexp(dt, -halvings), dt - done);
     if (!solve_variational(part)) {
-      if (++halvings > kMostHalvings) {  // nothing finite: the guard's
-        std::fill(next.q.begin(), next.q.end(), std::nan(""));
-        break;
+      if (halvings < kMostHalvings) {
+        ++halvings;
+        continue;
       }
-      continue;
+      advance_by_stages(part, butcher_table(Integrator::kRungeKutta4));
+      ++unsolved;
     }
     done += part;
     if (dt - done < 1e-12 * dt) break;

@@ -7,9 +7,12 @@
 
 #if SOFTPOINT_HAS_URDFDOM
 #include <console_bridge/console.h>
+#include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <set>
 #endif
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -33,6 +36,51 @@ class ParserLog : public console_bridge::OutputHandler {
   console_bridge::OutputHandler* before_;
 };
 
+// What Bullet's readers know besides, said as the parser knows it: a spherical joint as a floating one whose
+// name is kept, a capsule as the cylinder that it fills from end to end.
+struct BulletDialect {
+  std::string text;
+  std::set<std::string> spherical;
+};
+
+void say_capsules_as_cylinders(TiXmlElement& at) {
+  for (TiXmlElement* e = at.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    double radius = 0, length = 0;
+    if (e->ValueStr() == "capsule" && e->QueryDoubleAttribute("radius", &radius) == TIXML_SUCCESS &&
+        e->QueryDoubleAttribute("length", &length) == TIXML_SUCCESS) {
+      e->SetValue("cylinder");
+      e->SetAttribute("length", to_text(length + 2 * radius));
+    }
+  }
+}
+
+BulletDialect translated(const std::string& text) {
+  BulletDialect result{text, {}};
+  if (text.find("spherical") == std::string::npos && text.find("capsule") == std::string::npos) return result;
+  TiXmlDocument document;
+  document.Parse(text.c_str());
+  TiXmlElement* robot = document.FirstChildElement("robot");
+  if (robot == nullptr) return result;  // the parser says what is wrong
+  for (TiXmlElement* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    const char *type = e->Attribute("type"), *name = e->Attribute("name");
+    if (e->ValueStr() == "joint" && type != nullptr && name != nullptr && std::string(type) == "spherical") {
+      result.spherical.insert(name);
+      e->SetAttribute("type", "floating");
+    }
+    for (const char* kind : {"visual", "collision"}) {
+      for (TiXmlElement* part = e->FirstChildElement(kind); part != nullptr;
+           part = part->NextSiblingElement(kind)) {
+        if (TiXmlElement* geometry = part->FirstChildElement("geometry"))
+          say_capsules_as_cylinders(*geometry);
+      }
+    }
+  }
+  TiXmlPrinter printer;
+  document.Accept(&printer);
+  result.text = printer.Str();
+  return result;
+}
+
 Vec3 from(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 Mat3 from(const urdf::Rotation& r) {
   return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix();
@@ -51,7 +99,40 @@ void set_inertial(const urdf::Link& from_link, Link& link) {
   link.inertia = 0.5 * (turned + turned.transpose());
 }
 
-void set_joint(const urdf::Joint& from_joint, const std::string& where, bool under_world, Link& link) {
+void add_capsule(const urdf::Collision& collision, int link, std::vector<LinkCapsule>& to) {
+  if (!collision.geometry) return;
+  double radius = 0, length = 0;  // of the capsule from end to end
+  Vec3 axis = Vec3::UnitZ();
+  switch (collision.geometry->type) {
+    case urdf::Geometry::SPHERE:
+      radius = static_cast<const urdf::Sphere&>(*collision.geometry).radius;
+      length = 2 * radius;
+      break;
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(*collision.geometry);
+      length = cylinder.length;
+      radius = std::min(cylinder.radius, 0.5 * length);
+      break;
+    }
+    case urdf::Geometry::BOX: {
+      const Vec3 edges = from(static_cast<const urdf::Box&>(*collision.geometry).dim);
+      int longest = 0;
+      length = edges.maxCoeff(&longest);
+      radius = 0.5 * edges.minCoeff();
+      axis = Vec3::Unit(longest);
+      break;
+    }
+    default:
+      return;
+  }
+  if (!(radius > 0)) return;
+  const Vec3 center = from(collision.origin.position);
+  const Vec3 half = from(collision.origin.rotation) * axis * (0.5 * length - radius);
+  to.push_back({link, center - half, center + half, radius});
+}
+
+void set_joint(const urdf::Joint& from_joint, const std::string& where, bool under_world, bool spherical,
+               Link& link) {
   const auto refuse = [&](const std::string& what) {
     throw Error(where + " joint '" + from_joint.name + "' " + what);
   };
@@ -72,12 +153,18 @@ void set_joint(const urdf::Joint& from_joint, const std::string& where, bool und
       link.joint = JointKind::kFixed;
       break;
     case urdf::Joint::FLOATING:
+      if (spherical) {
+        link.joint = JointKind::kBall;
+        break;
+      }
       if (!under_world) refuse("is floating; permitted only on a root without mass");
       link.joint = JointKind::kFree;
       link.parent = -1;
       break;
     default:
-      refuse("is planar or unknown; permitted are revolute, continuous, prismatic, fixed and floating");
+      refuse(
+          "is planar or unknown; permitted are revolute, continuous, prismatic, spherical, fixed and "
+          "floating");
   }
   const bool ranged = from_joint.type == urdf::Joint::REVOLUTE || from_joint.type == urdf::Joint::PRISMATIC;
   if (ranged && from_joint.limits) {
@@ -88,51 +175,74 @@ void set_joint(const urdf::Joint& from_joint, const std::string& where, bool und
     link.damping = from_joint.dynamics->damping;
     link.friction = from_joint.dynamics->friction;
   }
-  if (link.joint == JointKind::kFixed || link.joint == JointKind::kFree) {
+  if (link.joint != JointKind::kHinge && link.joint != JointKind::kPrismatic) {
     link.axis = Vec3::UnitZ();
-    link.damping = link.friction = 0;
+    link.friction = 0;
+    if (link.joint != JointKind::kBall) link.damping = 0;
   }
 }
 
-void add_below(const urdf::Link& robot_link, int parent, bool under_world, const std::string& where,
-               std::vector<Link>& links) {
-  for (const auto& child : robot_link.child_links) {
-    Link link;
-    link.name = child->name;
-    link.parent = parent;
-    set_inertial(*child, link);
-    set_joint(*child->parent_joint, where, under_world, link);
-    links.push_back(link);
-    add_below(*child, static_cast<int>(links.size()) - 1,
-              under_world && link.joint == JointKind::kFixed && link.mass == 0, where, links);
+// What comes of a description while its tree is walked.
+struct Robot {
+  const std::string& where;  // for messages
+  const std::set<std::string>& spherical;
+  std::vector<Link> links;
+  std::vector<LinkCapsule> capsules;
+
+  void add_shapes(const urdf::Link& of) {
+    for (const auto& collision : of.collision_array) {
+      if (collision) add_capsule(*collision, static_cast<int>(links.size()) - 1, capsules);
+    }
   }
-}
+
+  void add_below(const urdf::Link& robot_link, int parent, bool under_world) {
+    for (const auto& child : robot_link.child_links) {
+      const urdf::Joint& joint = *child->parent_joint;
+      Link link;
+      link.name = child->name;
+      link.parent = parent;
+      set_inertial(*child, link);
+      set_joint(joint, where, under_world, spherical.count(joint.name) > 0, link);
+      links.push_back(link);
+      add_shapes(*child);
+      add_below(*child, static_cast<int>(links.size()) - 1,
+                under_world && link.joint == JointKind::kFixed && link.mass == 0);
+    }
+  }
+};
 
 }  // namespace
 
 bool has_urdf() { return true; }
 
-FigureModel read_urdf(const std::string& text, const std::string& name, UrdfBase base) {
-  urdf::ModelInterfaceSharedPtr robot;
+FigureModel read_urdf(const std::string& text, const std::string& name, UrdfBase base,
+                      std::vector<LinkCapsule>* capsules) {
+  const BulletDialect dialect = translated(text);
+  urdf::ModelInterfaceSharedPtr parsed;
   {
     ParserLog log;
     try {
-      robot = urdf::parseURDF(text);
+      parsed = urdf::parseURDF(dialect.text);
     } catch (const std::exception& error) {  // numbers that are none
       throw Error(name + ": " + error.what());
     }
-    if (!robot) throw Error(name + ": no robot description: " + (log.first.empty() ? "unknown" : log.first));
+    if (!parsed) throw Error(name + ": no robot description: " + (log.first.empty() ? "unknown" : log.first));
   }
-  const urdf::LinkConstSharedPtr root = robot->getRoot();
+  const urdf::LinkConstSharedPtr root = parsed->getRoot();
   if (!root) throw Error(name + ": no root link; permitted is one");
-  std::vector<Link> links(1);
-  links[0].name = root->name;
-  set_inertial(*root, links[0]);
-  const bool free = base == UrdfBase::kFree || (base == UrdfBase::kAuto && links[0].mass > 0);
-  links[0].joint = free ? JointKind::kFree : JointKind::kFixed;
-  add_below(*root, 0, !free && links[0].mass == 0, name, links);
+  Robot robot{name, dialect.spherical, std::vector<Link>(1), {}};
+  Link& first = robot.links[0];
+  first.name = root->name;
+  set_inertial(*root, first);
+  const bool free = base == UrdfBase::kFree || (base == UrdfBase::kAuto && first.mass > 0);
+  first.joint = free ? JointKind::kFree : JointKind::kFixed;
+  const bool under_world = !free && first.mass == 0;
+  robot.add_shapes(*root);
+  robot.add_below(*root, 0, under_world);
   try {
-    return FigureModel(std::move(links));
+    FigureModel model(std::move(robot.links));
+    if (capsules != nullptr) *capsules = std::move(robot.capsules);
+    return model;
   } catch (const Error& error) {
     throw Error(name + ": " + error.what());
   }
@@ -142,16 +252,16 @@ FigureModel read_urdf(const std::string& text, const std::string& name, UrdfBase
 
 bool has_urdf() { return false; }
 
-FigureModel read_urdf(const std::string&, const std::string& name, UrdfBase) {
+FigureModel read_urdf(const std::string&, const std::string& name, UrdfBase, std::vector<LinkCapsule>*) {
   throw Error(name + ": this library was built without liburdfdom; permitted are other formats");
 }
 
 #endif
 
-FigureModel read_urdf_file(const std::string& path, UrdfBase base) {
+FigureModel read_urdf_file(const std::string& path, UrdfBase base, std::vector<LinkCapsule>* capsules) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(path + " cannot be read");
-  return read_urdf(std::string(std::istreambuf_iterator<char>(file), {}), path, base);
+  return read_urdf(std::string(std::istreambuf_iterator<char>(file), {}), path, base, capsules);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

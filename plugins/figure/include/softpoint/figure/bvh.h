@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "softpoint/figure/figure_model.h"
+#include "softpoint/figure/figure_collision.h"
+#include "softpoint/figure/keyframes.h"
 
 // Skeletons and motion in Biovision's text format: what capture systems write and animation programs import.
 namespace softpoint::inline SOFTPOINT_ABI::figure {
@@ -47,12 +48,19 @@ struct BvhFigureSettings {
   double thickness = 0.1;  // radius of a bone over its length
 };
 // A figure of the skeleton: the root free, every other joint a ball; a solid cylinder to each child and end
-// site, a ball of the thinnest bone's radius where there is none. Position channels of the root stand for its
-// offset, those of others count for nothing.
+// site, a ball as thick as the bones that meet there where there is none. Position channels of the root stand
+// for its offset, those of others count for nothing.
 SOFTPOINT_API FigureModel bvh_figure(const BvhClip& clip, const BvhFigureSettings& settings = {});
 // Its positions at a frame, for the `q` of bvh_figure().
 SOFTPOINT_API std::vector<double> bvh_positions(const BvhClip& clip, int frame,
                                                 const BvhFigureSettings& settings = {});
+// Its bones as shapes to touch and to draw.
+SOFTPOINT_API std::vector<LinkCapsule> bvh_capsules(const BvhClip& clip,
+                                                    const BvhFigureSettings& settings = {});
+// The clip's motion as keys of bvh_figure(), the first frame at 0 s: one track a joint. Throws Error where
+// the clip has no frame.
+SOFTPOINT_API std::vector<JointTrack> bvh_tracks(const BvhClip& clip, Interpolation interpolation,
+                                                 const BvhFigureSettings& settings = {});
 
 // Any figure's motion as a clip, frame by frame: joints of three rotations (Z, X, Y), positions for the root
 // and for sliding joints; one unit of the file is a metre. Links that stand on the world each are joined by a

@@ -87,6 +87,11 @@ class SOFTPOINT_API FigureStepper {
   // guard_fired().
   bool step(double dt);
   long long guard_fired() const;
+  // Parts of steps of kVariational for which no end was found: taken by kRungeKutta4.
+  long long unsolved() const;
+  // Parts that steps of kRungeKutta4 and kDormandPrince were taken in because a joint turned by more than
+  // half a radian: light limbs of frictionless figures get that fast.
+  long long parts() const;
   // Kinetic and potential energy of the present state, J.
   double energy();
 
