@@ -41,6 +41,14 @@ bool FigureDynamics::dynamic(int link) const {
       .dynamic[static_cast<std::size_t>(impl_->tree.places[static_cast<std::size_t>(link)].body)];
 }
 
+void FigureDynamics::set_method(ForwardMethod method) {
+  if (method == this->method()) return;
+  impl_->matrix = method == ForwardMethod::kMatrix ? std::make_unique<MatrixForward>(impl_->model) : nullptr;
+}
+ForwardMethod FigureDynamics::method() const {
+  return impl_->matrix ? ForwardMethod::kMatrix : ForwardMethod::kArticulated;
+}
+
 void FigureDynamics::set_gravity(const Vec3& gravity) {
   check_range("gravity", gravity, -kMaxAcceleration, kMaxAcceleration);
   impl_->gravity = gravity;
@@ -62,6 +70,10 @@ void FigureDynamics::forward(const double* q, const double* qd, const double* ta
                              std::span<const Wrench> loads) {
   Impl& m = *impl_;
   ++m.counts.calls;
+  if (m.matrix) {
+    m.matrix->forward(*this, q, qd, tau, qdd, loads, m.implicit_time);
+    return;
+  }
   m.counts.placed += static_cast<long long>(m.plan.placed.size());
   m.counts.articulated += static_cast<long long>(m.plan.articulated.size());
   m.set_world();
@@ -88,6 +100,10 @@ void FigureDynamics::forward(const double* q, const double* qd, const double* ta
 
 void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {
   Impl& m = *impl_;
+  if (m.matrix) {
+    m.matrix->respond(*this, loads, change);
+    return;
+  }
   for (V6<double>& wrench : m.reply) wrench = {{0, 0, 0}, {0, 0, 0}};
   for (const Wrench& load : loads) {
     int body = -1;
@@ -99,6 +115,10 @@ void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {
 
 void FigureDynamics::respond_to_torques(const double* tau, double* change) {
   Impl& m = *impl_;
+  if (m.matrix) {
+    m.matrix->respond_to_torques(tau, change);
+    return;
+  }
   for (V6<double>& wrench : m.reply) wrench = {{0, 0, 0}, {0, 0, 0}};
   m.respond(tau, change);
 }

@@ -4,6 +4,7 @@
 
 #include "forward_walk.h"
 #include "lane_convert.h"
+#include "matrix_forward.h"
 #include "response-inl.h"
 #include "softpoint/core/instruction_set.h"
 #include "softpoint/figure/figure_dynamics.h"
@@ -56,6 +57,7 @@ struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
   void respond(const double* tau, double* change);
 
   FigureModel model;
+  std::unique_ptr<MatrixForward> matrix;  // of that method alone
   Tree tree;
   WalkPlan plan;
   Vec3 gravity{0, 0, -9.81};

@@ -32,6 +32,12 @@ struct FigureMechanics {
   Vec3 center_of_mass = Vec3::Zero();    // m
 };
 
+// How accelerations are found.
+enum class ForwardMethod {
+  kArticulated,  // articulated bodies, O(N)
+  kMatrix,       // the paper's way, slow and plain: B by (3), H by (4) column by column, elimination; O(N^3)
+};
+
 // Forces and accelerations of one figure, in O(N): each joint is either dynamic (its force is known, its
 // acceleration wanted) or prescribed (the other way round). Keeps its storage; calls allocate nothing.
 //
@@ -52,6 +58,9 @@ class SOFTPOINT_API FigureDynamics {
   void set_dynamic(std::span<const bool> links);
   void set_all_dynamic(bool dynamic);
   bool dynamic(int link) const;
+
+  void set_method(ForwardMethod method);  // kArticulated to begin with
+  ForwardMethod method() const;
 
   void set_gravity(const Vec3& gravity);  // m/s2
   const Vec3& gravity() const;
