@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 
 #include "cloth_scene.h"
@@ -223,6 +224,64 @@ TEST(ClothContact, FlatClothIsNotSearchedForItself) {
   }
   EXPECT_LE(searches, 1);  // the first one
   EXPECT_LE(at_work, 1);
+}
+
+// Least of many, on and off in turn.
+TEST(ClothContact, FlatClothPaysLessThanATwentiethForItself) {
+  if (kInstrumented) GTEST_SKIP() << "times of instrumented code say nothing";
+  double least[2] = {1e9, 1e9};
+  for (int round = 0; round < 8; ++round) {
+    ClothDesign design = sheet(50);
+    design.self_contact.on = round % 2 == 1;
+    OverFloor scene(design, 0.00015);
+    scene.cloth.setActivationState(DISABLE_DEACTIVATION);
+    scene.world.step(5);
+    for (int i = 0; i < 30; ++i) {
+      const std::clock_t start = std::clock();
+      scene.world.step();
+      double& seconds = least[round % 2];
+      seconds = std::min(seconds, double(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+  }
+  std::printf("    off %.3f ms, on %.3f ms\n", 1e3 * least[0], 1e3 * least[1]);
+  EXPECT_LT(least[1], 1.05 * least[0]);
+}
+
+// Suction presses its crumpled rim together.
+TEST(ClothContact, LiftedOverItsAirItDoesNotPassThroughItself) {
+  ClothDesign design;
+  design.fabric.area_density = 0.2;
+  design.fabric.warp_stiffness = design.fabric.weft_stiffness = 1e4;
+  design.fabric.shear_stiffness = 2500;
+  design.fabric.compression_ratio = 0.05;
+  design.fabric.damping_time = 1e-4;
+  design.fabric.drag_rate = 1;
+  design.pattern = square_pattern(50, 50, 0.3, 0.3, design.fabric);
+  design.saturation.assign(design.pattern.points.size(), 1.0);
+  design.wetness.capacity = 0;
+  design.wetness.friction_factor = 1;
+  design.air = thesis_air(4e-4);
+  design.self_contact.on = true;
+  OverFloor scene(design, 4e-4 / 0.09);
+  scene.floor.setFriction(1);
+  scene.cloth.setFriction(0.4);
+  const std::size_t middle = 25 * 50 + 25;
+  const Vec3 start = scene.cloth.points()[middle];
+  const HandleId hand = scene.system.grab(scene.cloth, static_cast<int>(middle), start);
+  int corrections = 0;
+  for (int i = 1; i <= 60; ++i) {
+    const double part = i / 60.0;
+    scene.system.move(hand, start + Vec3(0, 0.1 * part * part * (3 - 2 * part), 0));
+    scene.world.step();
+    corrections += scene.cloth.profile().counts.self_contacts;
+    if (i % 10 == 0) {
+      EXPECT_EQ(scene.cloth.count_intersections(), 0) << i;
+    }
+    EXPECT_EQ(scene.cloth.profile().counts.self_dropped, 0) << i;
+  }
+  EXPECT_GT(corrections, 1000);
+  EXPECT_EQ(scene.cloth.guard_fired(), 0);
+  std::printf("    %d corrections, stretch %.3f\n", corrections, scene.cloth.stretch().largest);
 }
 
 TEST(ClothContact, WithoutSelfContactItPassesThroughItself) {

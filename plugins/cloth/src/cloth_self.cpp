@@ -25,6 +25,7 @@ void Cloth::State::prepare_self(std::span<const HeldPoint> held) {
     dial.second_order = second;
     solver.set_settings(dial);
   }
+  solver.set_meets_itself(self_near);
   if (!self_near) {
     return;
   }

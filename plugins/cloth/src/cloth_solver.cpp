@@ -80,6 +80,8 @@ void ClothSolver::set_air(std::span<const int> face_pocket, std::span<const AirP
   stepper_->air_changed();
 }
 
+void ClothSolver::set_meets_itself(bool on) { stepper_->inputs().meets_itself = on; }
+
 int& ClothSolver::guard_calm() { return stepper_->calm(); }
 
 std::vector<double>& ClothSolver::first_gauges() { return stepper_->gauges(); }

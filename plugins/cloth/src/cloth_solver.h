@@ -83,6 +83,9 @@ class ClothSolver {
   void set_contacts(std::span<const PointContacts> contacts);  // empty: none
   void set_hands(std::span<const ClothHand> hands);
   // The pocket of each face (-1: none), the pockets and what closes them. Empty faces: no air.
+  // Whether something else corrects positions after each small step: frames from the next one on have as many
+  // as the sweeps would take.
+  void set_meets_itself(bool on);
   void set_air(std::span<const int> face_pocket, std::span<const AirPocket> pockets,
                std::span<const RimQuad> rims, const Vec3& air_origin = Vec3::Zero());
 

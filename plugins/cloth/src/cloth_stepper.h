@@ -28,6 +28,7 @@ struct ClothInputs {
   std::vector<AirPocket> pockets;
   std::vector<RimQuad> rims;
   Vec3 air_origin = Vec3::Zero();
+  bool meets_itself = false;  // what keeps cloth from cloth works after each small step: they are to be short
 };
 
 // The work behind ClothSolver, in single or in double.

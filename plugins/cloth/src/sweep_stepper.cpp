@@ -128,7 +128,7 @@ int SweepStepper<T>::begin_frame(double dt) {
     return static_cast<int>(std::ceil(std::clamp(wanted - 1e-9, 1.0, double(dial.max_substeps))));
   };
   const int sweeps = steps(std::clamp(rate / kCalmTurn, 1.0, kMostTurns));
-  const int count = marches_ ? std::min(sweeps, steps(kMarchPart)) : sweeps;
+  const int count = marches_ && !in_->meets_itself ? std::min(sweeps, steps(kMarchPart)) : sweeps;
   parts_ = (sweeps + count - 1) / count;
   h_ = dt / count;
   coarse_made_ = march_off_ = false;
