@@ -25,5 +25,8 @@ std::unique_ptr<FigurePeer> multibody_peer(const figure::FigureModel& model,
 // velocities that they want and the solution, which our calls and btMultiBody's have within them.
 std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel& model, const figure::FigureState& state,
                                         bool whole);
+// Null if the program was built without them; from positions and velocities to accelerations.
+std::unique_ptr<FigurePeer> dart_peer(const figure::FigureModel& model, const figure::FigureState& state);
+std::unique_ptr<FigurePeer> simbody_peer(const figure::FigureModel& model, const figure::FigureState& state);
 
 }  // namespace softpoint::benchmarks

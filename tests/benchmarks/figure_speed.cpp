@@ -21,6 +21,16 @@ std::unique_ptr<FigurePeer> mujoco_peer(const figure::FigureModel&, const figure
   return nullptr;
 }
 #endif
+#ifndef SOFTPOINT_HAVE_DART
+std::unique_ptr<FigurePeer> dart_peer(const figure::FigureModel&, const figure::FigureState&) {
+  return nullptr;
+}
+#endif
+#ifndef SOFTPOINT_HAVE_SIMBODY
+std::unique_ptr<FigurePeer> simbody_peer(const figure::FigureModel&, const figure::FigureState&) {
+  return nullptr;
+}
+#endif
 namespace {
 
 using namespace figure;
@@ -95,6 +105,8 @@ void engines(const std::string& task, const FigureModel& model) {
   for (const bool whole : {false, true}) {
     if (model.link_count() <= 30) peers.push_back(mujoco_peer(model, state, whole));  // deeper XML it refuses
   }
+  peers.push_back(dart_peer(model, state));
+  peers.push_back(simbody_peer(model, state));
   std::vector<Contender> contenders;
   contenders.push_back(
       {"softpoint", [&] { ours.forward(state.q.data(), state.qd.data(), nullptr, qdd.data()); }});
@@ -103,9 +115,12 @@ void engines(const std::string& task, const FigureModel& model) {
   }
   race(contenders);
   report(task, contenders);
+  double largest = 0;
+  for (const double a : qdd) largest = std::max(largest, std::abs(a));
+  std::printf("  softpoint: largest acceleration %g\n", largest);
   for (auto& peer : peers) {
-    if (peer && !std::isfinite(peer->largest_acceleration()))
-      std::printf("  %s: not finite\n", peer->name().c_str());
+    if (peer)
+      std::printf("  %s: largest acceleration %g\n", peer->name().c_str(), peer->largest_acceleration());
   }
 }
 

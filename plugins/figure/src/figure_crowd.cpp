@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "crowd_kernel.h"
+#include "lane_plan.h"
 #include "pack_array.h"
 #include "softpoint/core/error.h"
 #include "softpoint/core/limits.h"
@@ -27,8 +28,7 @@ CrowdKernel kernel_for(InstructionSet set) {
 
 struct __attribute__((visibility("hidden"))) FigureCrowd::Impl {
   Impl(const FigureModel& model, int count, InstructionSet limit)
-      : tree(build_tree(model)),
-        figures(count),
+      : figures(count),
         set(choose_instruction_set(limit)),
         kernel(kernel_for(set)),
         positions(static_cast<std::size_t>(model.position_count())),
@@ -40,9 +40,11 @@ struct __attribute__((visibility("hidden"))) FigureCrowd::Impl {
     qd.resize((blocks * velocities + 1) * lanes);
     tau.resize((blocks * velocities + 1) * lanes);
     qdd.resize((blocks * velocities + 1) * lanes);
-    used.resize((velocities + 1) * lanes);
-    work.resize(tree.bodies.size() * static_cast<std::size_t>(kernel.work_size) +
-                static_cast<std::size_t>(std::max(tree.balls, 1) * kernel.ball_size));
+    const Tree tree = build_tree(model);
+    plan = plan_lanes(tree);
+    work.resize(static_cast<std::size_t>(plan.slots * kernel.slot_size) +
+                plan.steps.size() * static_cast<std::size_t>(kernel.work_size) +
+                static_cast<std::size_t>(tree.balls * kernel.ball_size));
     const FigureState rest = rest_state(model);
     for (std::size_t block = 0; block < blocks; ++block) {  // lanes without a figure stand too
       for (std::size_t k = 0; k < positions; ++k) {
@@ -64,13 +66,13 @@ struct __attribute__((visibility("hidden"))) FigureCrowd::Impl {
     }
   }
 
-  Tree tree;
+  LanePlan plan;
   int figures;
   InstructionSet set;
   CrowdKernel kernel;
   std::size_t positions, velocities;
   Vec3 gravity{0, 0, -9.81};
-  PackArray q, qd, tau, qdd, used, work;
+  PackArray q, qd, tau, qdd, work;
 };
 
 FigureCrowd::FigureCrowd(const FigureModel& model, int figures, InstructionSet limit) {
@@ -110,17 +112,18 @@ void FigureCrowd::forward() {
   Impl& m = *impl_;
   const auto lanes = static_cast<std::size_t>(m.kernel.lanes);
   const std::size_t blocks = (static_cast<std::size_t>(m.figures) + lanes - 1) / lanes;
-  CrowdBlock block{m.tree.bodies.data(),
-                   static_cast<int>(m.tree.bodies.size()),
+  CrowdBlock block{m.plan.steps.data(),
+                   m.plan.bodies.data(),
+                   static_cast<int>(m.plan.steps.size()),
+                   m.plan.slots,
                    m.gravity.data(),
                    nullptr,
                    nullptr,
-                   m.used.data(),
+                   nullptr,
                    nullptr,
                    m.work.data()};
   for (std::size_t i = 0; i < blocks; ++i) {
-    const double* tau = m.tau.data() + i * m.velocities * lanes;
-    std::copy(tau, tau + m.velocities * lanes, m.used.data());
+    block.tau = m.tau.data() + i * m.velocities * lanes;
     block.q = m.q.data() + i * m.positions * lanes;
     block.qd = m.qd.data() + i * m.velocities * lanes;
     block.qdd = m.qdd.data() + i * m.velocities * lanes;

@@ -77,6 +77,11 @@ void FigureDynamics::forward(const double* q, const double* qd, const double* ta
   m.counts.placed += static_cast<long long>(m.plan.placed.size());
   m.counts.articulated += static_cast<long long>(m.plan.articulated.size());
   m.set_world();
+  m.in_packs = m.limbs.usable() && m.plan.all_dynamic && loads.empty() && m.implicit_time == 0;
+  if (m.in_packs) {
+    m.limbs.forward(m.world.acceleration.move, q, qd, tau, qdd);
+    return;
+  }
   const ForwardWalk walk{m.tree.bodies.data(),
                          m.plan.placed.data(),
                          static_cast<int>(m.plan.placed.size()),
@@ -104,6 +109,7 @@ void FigureDynamics::respond(std::span<const Wrench> loads, double* change) {
     m.matrix->respond(*this, loads, change);
     return;
   }
+  m.unpack_limbs();
   for (V6<double>& wrench : m.reply) wrench = {{0, 0, 0}, {0, 0, 0}};
   for (const Wrench& load : loads) {
     int body = -1;
@@ -119,6 +125,7 @@ void FigureDynamics::respond_to_torques(const double* tau, double* change) {
     m.matrix->respond_to_torques(tau, change);
     return;
   }
+  m.unpack_limbs();
   for (V6<double>& wrench : m.reply) wrench = {{0, 0, 0}, {0, 0, 0}};
   m.respond(tau, change);
 }
@@ -155,6 +162,7 @@ void FigureDynamics::Impl::respond(const double* tau, double* change) {
 void FigureDynamics::inverse(const double* q, const double* qd, const double* qdd, double* tau,
                              std::span<const Wrench> loads) {
   Impl& m = *impl_;
+  m.unpack_limbs();
   m.set_world();
   for (std::size_t i = 0; i < m.tree.bodies.size(); ++i) {
     const TreeBody& body = m.tree.bodies[i];

@@ -4,6 +4,7 @@
 
 #include "forward_walk.h"
 #include "lane_convert.h"
+#include "limb_plan.h"
 #include "matrix_forward.h"
 #include "response-inl.h"
 #include "softpoint/core/instruction_set.h"
@@ -13,7 +14,8 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
 struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
-  explicit Impl(const FigureModel& of) : model(of), tree(build_tree(of)), plan(tree) {
+  explicit Impl(const FigureModel& of)
+      : model(of), tree(build_tree(of)), plan(tree), limbs(tree, best_instruction_set()) {
     work.resize(tree.bodies.size());
     balls.resize(static_cast<std::size_t>(std::max(tree.balls, 1)));
     const auto n = static_cast<std::size_t>(std::max(model.velocity_count(), 1));
@@ -53,6 +55,13 @@ struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
     }
   }
 
+  // What the last forward dynamics has left in packs, where everything else looks for it.
+  void unpack_limbs() {
+    if (!in_packs) return;
+    in_packs = false;
+    limbs.unpack(work);
+  }
+
   // (8) for the wrenches in `reply` and for torques.
   void respond(const double* tau, double* change);
 
@@ -60,6 +69,8 @@ struct __attribute__((visibility("hidden"))) FigureDynamics::Impl {
   std::unique_ptr<MatrixForward> matrix;  // of that method alone
   Tree tree;
   WalkPlan plan;
+  LimbPlan limbs;
+  bool in_packs = false;  // the last forward dynamics went by limbs, and nothing is in `work` yet
   Vec3 gravity{0, 0, -9.81};
   Vec3 base_acceleration = Vec3::Zero();
   double implicit_time = 0;

@@ -7,6 +7,7 @@ namespace softpoint::inline SOFTPOINT_ABI::figure {
 
 void FigureDynamics::place(const double* q, const double* qd) {
   Impl& m = *impl_;
+  m.unpack_limbs();
   for (std::size_t i = 0; i < m.tree.bodies.size(); ++i) {
     const TreeBody& body = m.tree.bodies[i];
     BodyWork<double>& work = m.work[i];

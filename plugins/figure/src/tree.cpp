@@ -79,17 +79,10 @@ Tree build_tree(const FigureModel& model) {
   for (std::size_t i = 0; i < gathered.size(); ++i) {
     TreeBody& body = tree.bodies[i];
     body.massless = gathered[i].mass == 0;
-    if (body.parent >= 0) tree.bodies[static_cast<std::size_t>(body.parent)].leaf = false;
     body.mass = gathered[i].mass;
     body.first_moment = lanes(gathered[i].first_moment);
     const Mat3& a = gathered[i].inertia;
     body.inertia = {a(0, 0), a(0, 1), a(0, 2), a(1, 1), a(1, 2), a(2, 2)};
-  }
-  std::vector<char> met(tree.bodies.size(), 0);
-  for (std::size_t i = tree.bodies.size(); i-- > 0;) {
-    const int parent = tree.bodies[i].parent;
-    tree.bodies[i].leans_first = parent >= 0 && met[static_cast<std::size_t>(parent)] == 0;
-    if (parent >= 0) met[static_cast<std::size_t>(parent)] = 1;
   }
   return tree;
 }

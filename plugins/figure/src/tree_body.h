@@ -16,13 +16,11 @@ struct TreeBody {
   int dofs = 0;
   int ball = 0;  // ball joints: which one; of others 0
   bool massless = false;
-  bool leaf = true;          // nothing hangs on it
-  bool leans_first = false;  // of its parent's children the last one: the first that a walk inward meets
-  M3<double> turn;           // this body's axes in the parent's at q = 0
-  V3<double> origin;         // m, in the parent's axes
-  double mass = 0;           // kg
-  V3<double> first_moment;   // kg m: mass times centre of mass
-  S3<double> inertia;        // kg m2, about the joint
+  M3<double> turn;          // this body's axes in the parent's at q = 0
+  V3<double> origin;        // m, in the parent's axes
+  double mass = 0;          // kg
+  V3<double> first_moment;  // kg m: mass times centre of mass
+  S3<double> inertia;       // kg m2, about the joint
   double armature = 0;
   double damping = 0;
 };

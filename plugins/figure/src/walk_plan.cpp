@@ -1,5 +1,7 @@
 #include "walk_plan.h"
 
+#include <algorithm>
+
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 
 WalkPlan::WalkPlan(const Tree& tree) : dynamic(tree.bodies.size(), 1), bears(tree.bodies.size(), 0) {
@@ -11,6 +13,7 @@ WalkPlan::WalkPlan(const Tree& tree) : dynamic(tree.bodies.size(), 1), bears(tre
 void WalkPlan::rebuild(const Tree& tree) {
   placed.clear();
   articulated.clear();
+  all_dynamic = std::find(dynamic.begin(), dynamic.end(), 0) == dynamic.end();
   const int count = static_cast<int>(tree.bodies.size());
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);

@@ -12,6 +12,7 @@ struct WalkPlan {
   // After a change of `dynamic`. Allocates nothing.
   void rebuild(const Tree& tree);
 
+  bool all_dynamic = true;
   // Per body.
   std::vector<char> dynamic;
   std::vector<char> bears;  // a joint between it and the world, its own included, is dynamic
