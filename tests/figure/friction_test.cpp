@@ -123,6 +123,76 @@ TEST(ViscousFriction, ThePapersStepIsImplicitInIt) {
   EXPECT_LT(std::abs(stepper.state().qd[0]), 1e-3);
 }
 
+// Whatever the friction and the step: nothing is lost, energy never rises but by what the integrator misses
+// without friction too, and what creeps creeps as it should.
+TEST(ViscousFriction, IsStableAtAnyStep) {
+  for (const Integrator integrator : {Integrator::kRungeKutta4, Integrator::kDormandPrince}) {
+    for (const double dt : {1.0 / 15, 1.0 / 30, 1.0 / 60, 1.0 / 240, 1.0 / 1000}) {
+      double own = 0, worst = 0, worst_at = 0;
+      for (double viscous = 1e-4; viscous < 2e6; viscous *= 10) {
+        const double damping = viscous < 5e-4 ? 0.0 : viscous;
+        for (const bool free : {false, true}) {
+          std::vector<Link> links = read_amdl_file(data_file(free ? "mjhum27.amdl" : "pend2.amdl")).links();
+          for (Link& link : links) {
+            if (link.joint == JointKind::kHinge) link.damping = damping;
+            if (free) link.armature = 0.01;
+          }
+          const FigureModel model(links);
+          FigureState start = rest_state(model);
+          RandomFigures random(4);
+          for (double& v : start.qd) v = 1.5 * random.vector().x();
+          if (!free) start.q[0] = 1.2;
+          FigureStepper stepper(model, start, integrator);
+          if (free) stepper.dynamics().set_gravity(Vec3::Zero());
+          double energy = stepper.energy();
+          const double scale = free ? energy : 10.0;  // J
+          for (int i = 0; i < 45; ++i) {
+            ASSERT_TRUE(stepper.step(dt)) << name(integrator) << ' ' << dt << ' ' << damping;
+            const double now = stepper.energy(), rise = (now - energy) / scale;
+            energy = now;
+            if (damping == 0) own = std::max(own, rise);
+            if (damping > 0 && rise > worst) {
+              worst = rise;
+              worst_at = damping;
+            }
+          }
+          EXPECT_EQ(stepper.guard_fired(), 0);
+        }
+      }
+      std::printf("    %s, %.4f s: energy rises by %.1e (damping %g), without friction by %.1e\n",
+                  name(integrator), dt, worst, worst_at, own);
+      EXPECT_LE(worst, 1.5 * own + 1e-9);
+    }
+  }
+}
+
+// Order 4 where friction is gentle within a step, which it becomes with shorter ones; on the way there, with
+// friction that stops the joints within a step, errors stay small.
+TEST(ViscousFriction, KeepsTheOrder) {
+  for (const double damping : {0.5, 50.0}) {
+    std::vector<Link> links = read_amdl_file(data_file("pend2.amdl")).links();
+    for (Link& link : links) link.damping = damping;
+    const FigureModel model(links);
+    const auto after = [&](int steps, Integrator integrator) {
+      FigureStepper stepper(model, {{1.2, -0.4}, {1, -2}}, integrator);
+      for (int i = 0; i < steps; ++i) stepper.step(0.5 / steps);
+      return stepper.state().q;
+    };
+    const auto exact = after(8000, Integrator::kDormandPrince);
+    const auto error = [&](int steps) {
+      const auto q = after(steps, Integrator::kRungeKutta4);
+      return std::hypot(q[0] - exact[0], q[1] - exact[1]);
+    };
+    const int fine = damping < 1 ? 128 : 2048;
+    const double order = std::log2(error(fine / 2) / error(fine));
+    double coarse = 0;
+    for (int steps = 4; steps < 64; steps *= 2) coarse = std::max(coarse, error(steps));
+    std::printf("    damping %g: order %.2f, coarse steps off by %.1e rad\n", damping, order, coarse);
+    EXPECT_NEAR(order, 4, 0.2);
+    EXPECT_LE(coarse, damping < 1 ? 4e-3 : 3e-6);
+  }
+}
+
 TEST(DryFriction, IsRefusedWhereItHasNoMeaning) {
   Link ball;
   ball.name = "ball";

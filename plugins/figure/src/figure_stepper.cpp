@@ -23,6 +23,7 @@ FigureStepper::Impl::Impl(const FigureModel& model, FigureState start, Integrato
     rates[i].resize(n);
     accelerations[i].resize(n);
   }
+  gather_viscous(model);
   chosen.assign(links, 1);
   joints = std::make_unique<bool[]>(links);
   standing.reserve(links);
@@ -148,6 +149,8 @@ bool FigureStepper::step(double dt) {
   m.events.clear();
   const double end = m.time + dt;
   std::fill(m.pin_impulses.begin(), m.pin_impulses.end(), Vec3::Zero());
+  const bool stages = m.integrator == Integrator::kRungeKutta4 || m.integrator == Integrator::kDormandPrince;
+  m.rubbing_hard = stages && m.rubs_hard(dt);
   if (!m.dry.empty()) {
     m.begin_with_friction(dt);
     m.hold_at_rest();

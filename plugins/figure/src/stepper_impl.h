@@ -22,6 +22,9 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   void advance(double dt);
   void advance_by_stages(double dt, const ButcherTable& table);
   double part_of(double dt) const;  // s, of which no joint turns further than explicit stages can follow
+  // A part of at most `rest` s, or all of it, from `state` into `next`; what it covers.
+  double part_by_stages(double rest, bool all_of_it, const ButcherTable& table);
+  double part_by_extrapolation(double rest, bool all_of_it);
   void advance_as_paper(double dt);
   void advance_by_variation(double dt);
   bool solve_variational(double dt);  // false: no end was found
@@ -41,6 +44,10 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   void keep_inside();
   double longest_part() const;  // s, before a ball could go through its cone on the far side
   void note(double at, int joint, bool impact);
+
+  // Viscous friction that explicit stages would not bear.
+  void gather_viscous(const FigureModel& model);
+  bool rubs_hard(double dt);
 
   // Dry friction.
   struct Dry {
@@ -158,6 +165,9 @@ struct __attribute__((visibility("hidden"))) FigureStepper::Impl {
   std::vector<LimitEvent> events;
   LimitCounts counts;
   int blows = 0;                 // impacts and releases of this step
+  std::vector<double> viscous;   // N m s (N s/m), per degree of freedom
+  double fastest_decay = 0;      // 1/s, at most: by the armatures alone
+  bool rubbing_hard = false;     // this step
   std::vector<double> friction;  // per degree of freedom: natural logarithm of the factor in 1 s
 };
 

@@ -29,7 +29,7 @@ double FigureStepper::Impl::part_of(double dt) const {
   return dt / std::min(std::ceil(dt / part), static_cast<double>(kMostParts));
 }
 
-void FigureStepper::Impl::advance_by_stages(double dt, const ButcherTable& table) {
+double FigureStepper::Impl::part_by_stages(double rest, bool all_of_it, const ButcherTable& table) {
   const FigureModel& model = dynamics.model();
   const std::size_t n = state.qd.size();
   const auto look_ahead = [&](double h, const double* weights, int count, FigureState& to) {
@@ -44,19 +44,25 @@ void FigureStepper::Impl::advance_by_stages(double dt, const ButcherTable& table
     }
     move_by(model, state.q.data(), increment.data(), to.q.data());
   };
+  double h = rest;
+  for (int i = 0; i < table.stages; ++i) {
+    look_ahead(h, table.a[i], i, stage);
+    if (!standing.empty()) prescribe(time + table.c[i] * h, stage, accelerations[i]);
+    answer(stage, nullptr, accelerations[i].data());
+    if (i == 0 && !all_of_it) h = part_of(rest);
+    for (std::size_t k = 0; k < pins.size(); ++k) part_impulses[k] += h * table.b[i] * pin_loads[k].force;
+    increment_rate(model, increment.data(), stage.qd.data(), rates[i].data());
+  }
+  look_ahead(h, table.b, table.stages, next);
+  return h;
+}
+
+void FigureStepper::Impl::advance_by_stages(double dt, const ButcherTable& table) {
   const double start = time;
   double rest = dt;
   for (int part = 1;; ++part) {
-    double h = rest;
-    for (int i = 0; i < table.stages; ++i) {
-      look_ahead(h, table.a[i], i, stage);
-      if (!standing.empty()) prescribe(time + table.c[i] * h, stage, accelerations[i]);
-      answer(stage, nullptr, accelerations[i].data());
-      if (i == 0 && part < kMostParts) h = part_of(rest);
-      for (std::size_t k = 0; k < pins.size(); ++k) part_impulses[k] += h * table.b[i] * pin_loads[k].force;
-      increment_rate(model, increment.data(), stage.qd.data(), rates[i].data());
-    }
-    look_ahead(h, table.b, table.stages, next);
+    const bool last = part >= kMostParts;
+    const double h = rubbing_hard ? part_by_extrapolation(rest, last) : part_by_stages(rest, last, table);
     if (h >= rest || !finite()) break;
     if (part == 1) parts_from = state;
     ++parts;
