@@ -110,6 +110,13 @@ void engines(const std::string& task, const FigureModel& model) {
   std::vector<Contender> contenders;
   contenders.push_back(
       {"softpoint", [&] { ours.forward(state.q.data(), state.qd.data(), nullptr, qdd.data()); }});
+  FigureDynamics paper(model);
+  paper.set_method(ForwardMethod::kMatrix);
+  std::vector<double> unused(qdd);
+  if (model.link_count() <= 100) {
+    contenders.push_back({"softpoint, the paper's H and B",
+                          [&] { paper.forward(state.q.data(), state.qd.data(), nullptr, unused.data()); }});
+  }
   for (auto& peer : peers) {
     if (peer) contenders.push_back({peer->name(), [&peer] { peer->forward(); }});
   }

@@ -98,10 +98,15 @@ inline void carry(BodyWork<T>& work) {
 
 // (6): what the parent feels of a child.
 template <class T>
-inline void lean(const BodyWork<T>& child, BodyWork<T>& parent) {
-  parent.inertia += shifted(child.inertia, child.arm);
-  parent.bias.turn = parent.bias.turn + child.bias.turn + cross(child.arm, child.bias.move);
-  parent.bias.move = parent.bias.move + child.bias.move;
+inline void lean(const TreeBody& body, const BodyWork<T>& child, BodyWork<T>& parent) {
+  if (body.armed) {
+    parent.inertia += shifted(child.inertia, child.arm);
+    parent.bias.turn = parent.bias.turn + child.bias.turn + cross(child.arm, child.bias.move);
+    parent.bias.move = parent.bias.move + child.bias.move;
+  } else {
+    parent.inertia += child.inertia;
+    parent.bias = parent.bias + child.bias;
+  }
 }
 
 // Symmetric 6x6 system: the acceleration at which the wrench `-bias` is all that acts. `move` is inverted

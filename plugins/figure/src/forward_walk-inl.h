@@ -46,7 +46,7 @@ void solve_figure(const ForwardWalk& walk) {
     } else {
       carry(all[i]);
     }
-    if (body.parent >= 0 && walk.bears[body.parent]) lean(all[i], all[body.parent]);
+    if (body.parent >= 0 && walk.bears[body.parent]) lean(body, all[i], all[body.parent]);
   }
   for (int n = 0; n < walk.articulated_count; ++n) {
     const int i = walk.articulated[n];

@@ -5,8 +5,6 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
 
-bool is_zero(const V3<double>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
-
 constexpr double kSmall = 1e-15;  // of a unit vector: rounding
 double snapped(double x) {
   for (const double whole : {-1.0, 0.0, 1.0}) {
@@ -80,16 +78,14 @@ StraightBodies straighten(const Tree& tree) {
 LaneStep lane_step(const Tree& tree, const StraightBodies& straight, int index) {
   const auto i = static_cast<std::size_t>(index);
   const TreeBody& body = tree.bodies[i];
-  const auto is_armed = [&](std::size_t k) {
-    return tree.bodies[k].joint == JointKind::kPrismatic || !is_zero(tree.bodies[k].origin);
-  };
   LaneStep step;
   step.joint = body.joint;
   step.turn = kind_of(straight.bodies[i].turn);
-  step.armed = is_armed(i);
+  step.armed = body.armed;
   step.massive = !body.massless;
   step.whirls = step.massive;
-  for (const int child : straight.children[i]) step.whirls |= is_armed(static_cast<std::size_t>(child));
+  for (const int child : straight.children[i])
+    step.whirls |= tree.bodies[static_cast<std::size_t>(child)].armed;
   step.leaf = straight.children[i].empty();
   step.damped = body.damping > 0;
   step.root = body.parent < 0;

@@ -3,7 +3,7 @@
 #include "articulated-inl.h"
 #include "lane_body.h"
 
-// The walks of a forward dynamics for packs: equations (28) to (30) of doc/dynamics.md. Unlike the walks of a
+// The walks of a forward dynamics for packs: equations (35) to (37) of doc/dynamics.md. Unlike the walks of a
 // single figure, the accelerations that velocities cause are summed from the root outward, so that the
 // inward walk multiplies no articulated inertia by them, and what the walks leave behind is small enough for
 // the nearest cache.
@@ -53,7 +53,7 @@ struct LaneLoad {  // what children hand to their parent
   V6<T> bias;
 };
 
-// (1), (28), (29). `body` may hold packs.
+// (1), (35), (36). `body` may hold packs.
 template <class T, class C>
 inline void lane_place(const LaneStep& step, const LaneBody<C>& body, const LanePose<T>& parent, const T* q,
                        const T* qd, LanePose<T>& to, LaneWork<T>& work, LaneBall<T>* balls) {
@@ -173,7 +173,7 @@ inline void lane_gather(const LaneStep& step, const LaneBody<C>& body, const Lan
   load.bias = load.bias + work.bias;
 }
 
-// (4), (30).
+// (4), (37).
 template <class T, class C>
 inline void lane_yield(const LaneStep& step, const LaneBody<C>& body, const T* tau, const T* qd,
                        LaneWork<T>& work, LaneBall<T>* balls, LaneLoad<T>& load) {
@@ -277,7 +277,7 @@ inline void lane_lean(const LaneStep& step, const LaneWork<T>& work, LaneLoad<T>
   parent.bias = parent.bias + load.bias;
 }
 
-// (30), outward: `parent` and `to` are accelerations beyond those of the poses.
+// (37), outward: `parent` and `to` are accelerations beyond those of the poses.
 template <class T>
 inline void lane_answer(const LaneStep& step, const LaneWork<T>& work, const LaneBall<T>* balls,
                         const V6<T>& parent, V6<T>& to, T* qdd) {

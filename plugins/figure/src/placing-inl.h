@@ -67,7 +67,8 @@ inline void place_body(const TreeBody& body, const BodyWork<T>* parent, const T*
     work.drift = {none, none};
   } else {
     work.axes = parent->axes * body.turn;
-    work.arm = parent->axes * body.origin;
+    work.arm = none;
+    if (body.armed) work.arm = parent->axes * body.origin;
     work.spin = parent->spin;
     work.drift.turn = none;
   }
@@ -100,7 +101,8 @@ inline void place_body(const TreeBody& body, const BodyWork<T>* parent, const T*
   if (parent != nullptr) {
     const V3<T>& spin = parent->spin;
     work.drift.turn = cross(spin, work.joint_spin);
-    work.drift.move = cross(spin, cross(spin, work.arm));
+    work.drift.move = none;
+    if (body.armed) work.drift.move = cross(spin, cross(spin, work.arm));
     if (body.joint == JointKind::kPrismatic) {
       work.drift.move = work.drift.move + cross(spin, work.axes.z) * (2.0 * qd[body.v]);
     }

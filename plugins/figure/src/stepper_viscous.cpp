@@ -27,7 +27,7 @@ void FigureStepper::Impl::gather_viscous(const FigureModel& model) {
   }
 }
 
-// (31): the largest eigenvalue of H^-1 b, by its powers. Nothing is kept between steps: equal states give
+// (38): the largest eigenvalue of H^-1 b, by its powers. Nothing is kept between steps: equal states give
 // equal steps.
 bool FigureStepper::Impl::rubs_hard(double dt) {
   if (dt * fastest_decay <= kGentle) return false;
@@ -61,7 +61,7 @@ bool FigureStepper::Impl::rubs_hard(double dt) {
   return hard;
 }
 
-// (32), (33): steps of Euler's, implicit in the friction, in 1, 2, ... pieces, whose errors are polynomials
+// (39), (40): steps of Euler's, implicit in the friction, in 1, 2, ... pieces, whose errors are polynomials
 // of the piece's length.
 double FigureStepper::Impl::part_by_extrapolation(double rest, bool all_of_it) {
   const FigureModel& model = dynamics.model();

@@ -65,6 +65,7 @@ Tree build_tree(const FigureModel& model) {
     body.ball = link.joint == JointKind::kBall ? tree.balls++ : 0;
     body.turn = lanes(Mat3(orientation * turned));
     body.origin = lanes(origin);
+    body.armed = link.joint == JointKind::kPrismatic || link.joint == JointKind::kFree || !origin.isZero(0);
     if (link.joint != JointKind::kFree) {  // nothing rubs there
       body.armature = link.armature;
       body.damping = link.damping;

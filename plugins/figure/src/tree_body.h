@@ -16,6 +16,7 @@ struct TreeBody {
   int dofs = 0;
   int ball = 0;  // ball joints: which one; of others 0
   bool massless = false;
+  bool armed = true;        // its joint is not where the parent's is
   M3<double> turn;          // this body's axes in the parent's at q = 0
   V3<double> origin;        // m, in the parent's axes
   double mass = 0;          // kg
