@@ -43,12 +43,29 @@ class MarchGrid {
     data_.unit = unit, data_.per_unit = 1 / unit;
     for (int f = 0; f < Data::kFamilies; ++f) data_.rest[f] = static_cast<T>(rest_[f] / unit);
   }
+  // To be called when what the kernels only read has changed.
+  void compare_rows() {
+    data_.points_alike = alike(mass) && alike(inverse_mass) && alike(friction) && alike(adhesion);
+    data_.springs_alike = true;
+    for (int k = 0; k < 3; ++k) {
+      data_.points_alike = data_.points_alike && alike(acceleration[k]) && alike(normal[k]) && alike(foot[k]);
+    }
+    for (const T* of_family : data_.stiffness) data_.springs_alike = data_.springs_alike && alike(of_family);
+  }
   // What the kernels only read.
   T *mass = nullptr, *inverse_mass = nullptr, *friction = nullptr, *adhesion = nullptr;
   T *acceleration[3], *stiffness[4], *normal[3], *faces_weight[4], *rim[3];
   Place* foot[3];
 
  private:
+  template <class N>
+  bool alike(const N* field) const {
+    const N* first = field + data_.stride;
+    for (long row = 2; row + 1 < data_.rows; ++row) {
+      if (!std::equal(first, first + data_.stride, field + row * data_.stride)) return false;
+    }
+    return true;
+  }
   static double face_area(const ClothPattern& pattern, const Triangle& face) {
     const Vec3 a = pattern.points[face[1]] - pattern.points[face[0]];
     const Vec3 b = pattern.points[face[2]] - pattern.points[face[0]];

@@ -131,10 +131,10 @@ struct MarchStep {
   T gauge, h, rate, unit_rate, damping;  // damping: of the change of a length, or of its speed in m/s
 };
 
-// Pull of the springs from the points at `at` along r, dampers included.
+// Pull of the springs from the points at `at` along r, dampers included; `same`: where their stiffness is.
 template <class T, bool kByLength>
 SOFTPOINT_INLINE Pack3<T> pull_of(const MarchData<T>& d, const MarchStep<T>& step, int family, long at,
-                                  long offset, const Pack3<T>& r, const Pack3<T>& v) {
+                                  long same, long offset, const Pack3<T>& r, const Pack3<T>& v) {
   const Pack<T> square = fma(r.x, r.x, fma(r.y, r.y, fma(r.z, r.z, splat(T(1e-30)))));
   Pack<T> per_length;
   const Pack<T> length = length_of(square, per_length);
@@ -148,21 +148,21 @@ SOFTPOINT_INLINE Pack3<T> pull_of(const MarchData<T>& d, const MarchStep<T>& ste
   }
   store(d.length[family] + at, length);
   const Pack<T> pull =
-      load(d.stiffness[family] + at) * (fma(splat(step.damping), faster, elastic) * per_length);
+      load(d.stiffness[family] + same) * (fma(splat(step.damping), faster, elastic) * per_length);
   return scaled<T>(pull, r);
 }
 
 // Coulomb's friction and the push of the plane as forces, before anything is smoothed: what rests is in
 // balance by the forces alone. Of a point that has come through its plane, a fifth of the way is taken back.
-// `f` without contact becomes the change of v.
+// `f` without contact becomes the change of v. `same`: where what does not change is.
 template <class T>
-SOFTPOINT_INLINE void meet(const MarchData<T>& d, const MarchStep<T>& step, long i, const Places3<T>& x,
-                           const Pack3<T>& v, Pack3<T> f) {
-  const Pack<T> none = splat(T(0)), mass = load(d.mass + i), per_step = mass * step.rate;
-  const Pack3<T> n = load3(d.normal[0], d.normal[1], d.normal[2], i);
-  const Pack3<T> a = load3(d.acceleration[0], d.acceleration[1], d.acceleration[2], i);
+SOFTPOINT_INLINE void meet(const MarchData<T>& d, const MarchStep<T>& step, long i, long same,
+                           const Places3<T>& x, const Pack3<T>& v, Pack3<T> f) {
+  const Pack<T> none = splat(T(0)), mass = load(d.mass + same), per_step = mass * step.rate;
+  const Pack3<T> n = load3(d.normal[0], d.normal[1], d.normal[2], same);
+  const Pack3<T> a = load3(d.acceleration[0], d.acceleration[1], d.acceleration[2], same);
   f = madd<T>(mass, madd<T>(splat(-d.drag_rate), v, a), f);
-  const Pack<T> gap = dot<T>(way3<T>(x, places3<T>(d.foot, i)), n);
+  const Pack<T> gap = dot<T>(way3<T>(x, places3<T>(d.foot, same)), n);
   const Pack<T> fall = fma(splat(step.unit_rate), larger<T>(T(0.2) * gap, gap), dot<T>(v, n));
   const Pack<T> push = -fma(per_step, fall, dot<T>(f, n));  // 0 where there is no plane
   const Mask<T> touches = push > none;
@@ -172,7 +172,7 @@ SOFTPOINT_INLINE void meet(const MarchData<T>& d, const MarchStep<T>& step, long
     f = madd<T>(pushed, n, f);
     const Pack3<T> whole = madd<T>(per_step, v, f);
     const Pack3<T> slip = madd<T>(-dot<T>(whole, n), n, whole);
-    const Pack<T> limit = load(d.friction + i) * (pushed + load(d.adhesion + i));
+    const Pack<T> limit = load(d.friction + same) * (pushed + load(d.adhesion + same));
     const Pack<T> square = dot<T>(slip, slip) + T(1e-30);
     const Mask<T> slides = square > limit * limit;
     const Pack<T> part = touches ? (slides ? -limit * inverse_length(square) : splat(T(-1))) : none;
@@ -182,7 +182,7 @@ SOFTPOINT_INLINE void meet(const MarchData<T>& d, const MarchStep<T>& step, long
     touch = touches ? (slides ? splat(T(2)) : splat(T(1))) : none;
   }
   store(d.touch + i, touch);
-  store3(d.f[0], d.f[1], d.f[2], i, scaled<T>(step.h * load(d.inverse_mass + i), f));
+  store3(d.f[0], d.f[1], d.f[2], i, scaled<T>(step.h * load(d.inverse_mass + same), f));
 }
 
 // Row by row; what a row gives to the one below waits in scratch.
@@ -203,6 +203,8 @@ SOFTPOINT_INLINE void push_rows(const MarchData<T>& d, const MarchStep<T>& step)
   };
   for (long row = 0; row < d.rows; ++row) {
     const long begin = row * s;
+    const bool inside = row > 0 && row + 1 < d.rows;
+    const long points = inside && d.points_alike ? s : begin, springs = inside && d.springs_alike ? s : begin;
     Pack3<T> right_before{}, corner_before{};
     for (long i = 0; i < s; i += Of<T>::lanes) {
       const long at = begin + i;
@@ -212,10 +214,10 @@ SOFTPOINT_INLINE void push_rows(const MarchData<T>& d, const MarchStep<T>& step)
                      down = way3<T>(places3<T>(d.x, at + s), x),
                      across = way3<T>(places3<T>(d.x, at + s + 1), x),
                      back = way3<T>(places3<T>(d.x, at + s - 1), x);
-      const Pack3<T> right = pull_of<T, kByLength>(d, step, 0, at, 1, to_right, v);
-      const Pack3<T> below_pull = pull_of<T, kByLength>(d, step, 1, at, s, down, v);
-      const Pack3<T> across_pull = pull_of<T, kByLength>(d, step, 2, at, s + 1, across, v);
-      const Pack3<T> back_pull = pull_of<T, kByLength>(d, step, 3, at, s - 1, back, v);
+      const Pack3<T> right = pull_of<T, kByLength>(d, step, 0, at, springs + i, 1, to_right, v);
+      const Pack3<T> below_pull = pull_of<T, kByLength>(d, step, 1, at, springs + i, s, down, v);
+      const Pack3<T> across_pull = pull_of<T, kByLength>(d, step, 2, at, springs + i, s + 1, across, v);
+      const Pack3<T> back_pull = pull_of<T, kByLength>(d, step, 3, at, springs + i, s - 1, back, v);
       put(0, i, below_pull), put(1, i, across_pull), put(2, i, back_pull);
       Pack3<T> force = (right + below_pull) + (across_pull + back_pull) - one_on<T>(right_before, right) -
                        ((get(0, i) + get(1, i - 1)) + get(2, i + 1));
@@ -238,7 +240,7 @@ SOFTPOINT_INLINE void push_rows(const MarchData<T>& d, const MarchStep<T>& step)
       } else if constexpr (kAir == MarchAir::kKept) {
         force = madd<T>(splat(step.gauge), load3(d.g[0], d.g[1], d.g[2], at), force);
       }
-      meet<T>(d, step, at, x, v, force);
+      meet<T>(d, step, at, points + i, x, v, force);
     }
     T* const other = here;
     here = below;

@@ -38,6 +38,9 @@ struct MarchData {
   T* c[3];               // contact forces of all steps since they were cleared, N
   T* touch;              // as in SweepData, of the last step
   T* length[kFamilies];  // of springs, in units, of the last step
+  // What is only read is most often the same in all rows but the first and the last; then row 1 is read
+  // for all of them, which stays near the processor.
+  bool points_alike, springs_alike;
   const T *mass, *inverse_mass;
   const T* acceleration[3];       // of constant forces
   const T* stiffness[kFamilies];  // N a unit
@@ -50,7 +53,7 @@ struct MarchData {
   const T* faces[4];
   bool crossed;                          // there are faces abd or bcd
   const T* rim[3];                       // what rims add to dV/dx
-  T *lower[3], *pivot[3];                // factors along columns, the roots of their pivots
+  T *lower[3], *pivot[3];                // factors along columns, inverses of their pivots
   T *turned_lower[3], *turned_pivot[3];  // and along rows
   T* turned[3];
   T* cells[3];  // scratch
@@ -67,10 +70,10 @@ template <class T>
 struct MarchKernels {
   // Changes of v in a step of h by springs, dampers, weight, air at `gauge` and contact, into f.
   void (*push)(const MarchData<T>&, MarchAir air, MarchRate rate, T gauge, T h);
-  // What keeps the steps stable: factors of (1 + D), D made of share * stiffness/mass of the springs as they
+  // What keeps the steps stable: factors of (1 + D_rows) and (1 + D_columns/4), D made of share * stiffness/mass of the springs as they
   // lie.
   void (*factor)(const MarchData<T>&, T share);
-  // f <- L^-T (1 + D_rows)^-1 L^-1 f, L L^T = 1 + D_columns; v += f, x += h v. Returns the sum of g . v.
+  // f <- A (1 + D_rows)^-1 A f, A = (1 + D_columns/4)^-1; v += f, x += h v. Returns the sum of g . v.
   double (*move)(const MarchData<T>&, T h);
 };
 

@@ -66,14 +66,14 @@ SOFTPOINT_INLINE void turn(const double* from, long from_stride, long rows, long
 }
 
 // `lower` holds what couples each line with the next one; with `pivot` it becomes the factor of
-// (1 + D) = C C^T: pivots are the inverse of C's diagonal, `lower` the rest of it less its signs.
+// (1 + D) = C E C^T: pivots are the inverse of E, `lower` what is beside the ones of C less its signs.
 template <class T>
 SOFTPOINT_INLINE void factor_lines(T* lower, T* pivot, long lines, long stride) {
   for (long i = 0; i < stride; i += Of<T>::lanes) {
     Pack<T> before{}, inverse{};
     for (long line = 0; line < lines; ++line) {
       const Pack<T> after = load(lower + line * stride + i), left = before * inverse;
-      inverse = T(1) / sqrt(T(1) + after + before - left * left);
+      inverse = T(1) / (T(1) + after + before - left * before);
       store(lower + line * stride + i, left);
       store(pivot + line * stride + i, inverse);
       before = after;
@@ -81,16 +81,12 @@ SOFTPOINT_INLINE void factor_lines(T* lower, T* pivot, long lines, long stride) 
   }
 }
 
-// a <- C^-1 a and a <- C^-T a; line after line, so that many right sides go along at once.
+// a <- C^-1 a and a <- C^-T E^-1 a; line after line, so that many right sides go along at once.
 template <class T>
-SOFTPOINT_INLINE void solve_down(T* const* a, T* const* lower, T* const* pivot, long lines, long stride) {
-  for (long i = 0; i < stride; i += Of<T>::lanes) {
-    for (int k = 0; k < 3; ++k) store(a[k] + i, load(pivot[k] + i) * load(a[k] + i));
-  }
+SOFTPOINT_INLINE void solve_down(T* const* a, T* const* lower, long lines, long stride) {
   for (long i = stride; i < lines * stride; i += Of<T>::lanes) {
     for (int k = 0; k < 3; ++k) {
-      const Pack<T> sum = fma(load(lower[k] + i), load(a[k] + i - stride), load(a[k] + i));
-      store(a[k] + i, load(pivot[k] + i) * sum);
+      store(a[k] + i, fma(load(lower[k] + i), load(a[k] + i - stride), load(a[k] + i)));
     }
   }
 }
@@ -101,29 +97,31 @@ SOFTPOINT_INLINE void solve_up(T* const* a, T* const* lower, T* const* pivot, lo
   }
   for (long i = (lines - 1) * stride - Of<T>::lanes; i >= 0; i -= Of<T>::lanes) {
     for (int k = 0; k < 3; ++k) {
-      const Pack<T> sum = fma(load(lower[k] + i + stride), load(a[k] + i + stride), load(a[k] + i));
-      store(a[k] + i, load(pivot[k] + i) * sum);
+      const Pack<T> far = load(lower[k] + i + stride) * load(a[k] + i + stride);
+      store(a[k] + i, fma(load(pivot[k] + i), load(a[k] + i), far));
     }
   }
 }
 
-// How stiff a spring along r is in each direction, with what it couples between directions added: the sum
-// of such diagonal matrices bounds the stiffness. 0.7 of that has proved enough.
+// How stiff a spring along r is in each direction, with what it couples between directions added: such
+// diagonal matrices together are no less stiff than the springs.
 template <class T>
 SOFTPOINT_INLINE Pack3<T> stiff_along(Pack<T> k, const Pack3<T>& r) {
   const Pack<T> zero{};
   const Pack3<T> a = {r.x < zero ? -r.x : r.x, r.y < zero ? -r.y : r.y, r.z < zero ? -r.z : r.z};
-  const Pack<T> scale = T(0.7) * (a.x + a.y + a.z) / (dot<T>(r, r) + T(1e-30)), least = splat(T(0.02));
+  const Pack<T> scale = (a.x + a.y + a.z) / (dot<T>(r, r) + T(1e-30)), least = splat(T(0.024));
   const Pack3<T> s = {scale * a.x, scale * a.y, scale * a.z};
   return {k * (s.x > least ? s.x : least), k * (s.y > least ? s.y : least), k * (s.z > least ? s.z : least)};
 }
 
+// Of a spring across a cell, for each of the four sides it goes along: one would do for certain.
+constexpr double kDiagonal = 0.35;
 template <class T>
 void factor(const MarchData<T>& given, T share) {
   const MarchData<T> d = given;
   const long s = d.stride, count = d.rows * s;
   for (long i = 0; i < count; i += Of<T>::lanes) {
-    const Pack<T> per_mass = T(0.5) * share * load(d.inverse_mass + i);
+    const Pack<T> per_mass = T(kDiagonal) * share * load(d.inverse_mass + i);
     store3(d.cells[0], d.cells[1], d.cells[2], i,
            stiff_along<T>(per_mass * load(d.stiffness[2] + i), arm<T>(d, i, s + 1)) +
                stiff_along<T>(per_mass * load(d.stiffness[3] + i + 1), arm<T>(d, i + 1, s - 1)));
@@ -135,8 +133,8 @@ void factor(const MarchData<T>& given, T share) {
            stiff_along<T>(per_mass * load(d.stiffness[0] + i), arm<T>(d, i, 1)) + diagonal +
                load3(d.cells[0], d.cells[1], d.cells[2], i - s));
     store3(d.lower[0], d.lower[1], d.lower[2], i,
-           stiff_along<T>(per_mass * load(d.stiffness[1] + i), arm<T>(d, i, s)) + diagonal +
-               load3(d.cells[0], d.cells[1], d.cells[2], i - 1));
+           scaled<T>(splat(T(0.25)), stiff_along<T>(per_mass * load(d.stiffness[1] + i), arm<T>(d, i, s)) +
+                                         diagonal + load3(d.cells[0], d.cells[1], d.cells[2], i - 1)));
   }
   for (int k = 0; k < 3; ++k) {
     turn(d.f[k], s, d.rows, d.columns, d.turned_lower[k], d.turned_stride);
@@ -145,7 +143,7 @@ void factor(const MarchData<T>& given, T share) {
   }
 }
 
-// a <- C^-T a of the changes of v, which then move the points.
+// As solve_up, of the changes of v, which then move the points.
 template <class T>
 SOFTPOINT_INLINE double solve_up_and_go(const MarchData<T>& d, T h) {
   const Pack<T> far = splat(h * d.per_unit);
@@ -164,23 +162,26 @@ SOFTPOINT_INLINE double solve_up_and_go(const MarchData<T>& d, T h) {
   for (long line = d.rows - 2; line >= 0; --line) {
     for (long i = line * s; i < (line + 1) * s; i += Of<T>::lanes) {
       for (int k = 0; k < 3; ++k) {
-        const Pack<T> sum = fma(load(d.lower[k] + i + s), load(d.f[k] + i + s), load(d.f[k] + i));
-        go(k, i, load(d.pivot[k] + i) * sum);
+        const Pack<T> next = load(d.lower[k] + i + s) * load(d.f[k] + i + s);
+        go(k, i, fma(load(d.pivot[k] + i), load(d.f[k] + i), next));
       }
     }
   }
   return sum<T>(swept[0]) + sum<T>(swept[1]) + sum<T>(swept[2]);
 }
 
-// Symmetric, so that the smoothed motion has an energy to keep: half of the columns, the rows, the other
-// half.
+// Symmetric, so that the smoothed motion has an energy to keep: columns, rows, columns. As (1 + D/4)^2 is no
+// less than D a quarter of the columns' stiffness does on either side; whole solves on both sides, not the
+// two halves of one, because the halves do not leave what is even along a column as it is.
 template <class T>
 double move(const MarchData<T>& given, T h) {
   const MarchData<T> d = given;
-  solve_down<T>(d.f, d.lower, d.pivot, d.rows, d.stride);
+  solve_down<T>(d.f, d.lower, d.rows, d.stride);
+  solve_up<T>(d.f, d.lower, d.pivot, d.rows, d.stride);
   for (int k = 0; k < 3; ++k) turn(d.f[k], d.stride, d.rows, d.columns, d.turned[k], d.turned_stride);
-  solve_down<T>(d.turned, d.turned_lower, d.turned_pivot, d.columns, d.turned_stride);
+  solve_down<T>(d.turned, d.turned_lower, d.columns, d.turned_stride);
   solve_up<T>(d.turned, d.turned_lower, d.turned_pivot, d.columns, d.turned_stride);
   for (int k = 0; k < 3; ++k) turn(d.turned[k], d.turned_stride, d.columns, d.rows, d.f[k], d.stride);
+  solve_down<T>(d.f, d.lower, d.rows, d.stride);
   return solve_up_and_go<T>(d, h);
 }

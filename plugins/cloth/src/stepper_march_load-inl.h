@@ -85,13 +85,14 @@ void SweepStepper<T>::load_motion() {
       const ContactPlane& plane = in_->contacts[p].planes[0];
       const Vec3 x = local(in_->layout.slot_of[p]);
       const Vec3 foot = x - plane.normal.dot(x - (plane.foot - origin_)) * plane.normal;
-      for (int k = 0; k < 3; ++k) grid.foot[k][at] = place_of(foot[k]);
+      for (int k = 0; k < 3; ++k) grid.foot[k][at] = plane.normal[k] == 0 ? 0 : place_of(foot[k]);
     }
   }
   for (int slot : rim_slots_) {
     const long at = grid.at(in_->layout.point_of[slot]);
     for (int k = 0; k < 3; ++k) grid.rim[k][at] = arrays_.field(A::kE + k)[slot];
   }
+  if (march_feet_) grid.compare_rows();
   march_fresh_ = march_feet_ = false;
 }
 

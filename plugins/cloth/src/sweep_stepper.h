@@ -131,8 +131,10 @@ class SweepStepper final : public ClothStepper {
   void guard();
 
   // stepper_march-inl.h
-  static constexpr double kMostSmoothed = 14;  // share * stiffness/mass of a cloth of 50 x 50 points
-  static constexpr int kGradientEvery = 4;     // explicit steps from one dV/dx to the next
+  static constexpr double kMostSmoothed = 14;       // share * stiffness/mass of a cloth of 50 x 50 points
+  static constexpr double kMostSmoothedAtAll = 32;  // and of any
+  static constexpr double kMarchMargin = 1.05;      // of what keeps steps stable
+  static constexpr int kGradientEvery = 4;          // explicit steps from one dV/dx to the next
   bool marches();
   bool may_march();
   void choose_unit();
