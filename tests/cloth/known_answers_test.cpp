@@ -184,15 +184,19 @@ TEST_P(KnownAnswers, InclineHoldsAndSlidesByCoulombsCoefficient) {
 TEST_P(KnownAnswers, TentAtRestIsInBalance) {
   LiftTask task = centre_lift();
   task.height = 0.05, task.lift_time = 0.5, task.hold_time = 1;
-  const auto check_balance = [&](SolverSheet& sheet, int frame) {
-    if (frame != task.frames()) return;
-    const double hand = sheet.solver.hand_force(0).z(), floor = sheet.floor_force().z();
-    const double air = -sheet.gauge() * projected_area(sheet.solver.pattern(), sheet.positions);
-    const double weight = LiftTask::kMass * LiftTask::kGravity;
-    EXPECT_GT(hand, 0.1 * weight);  // 0.16 to 0.45 by how friction leaves it, in fine-step runs too
-    EXPECT_NEAR(hand + floor, weight + air, slack(0.01) * (weight + std::abs(air)));
+  // The rim never quite comes to rest on its air (some mm/s): means over the last half second.
+  double hand = 0, floor = 0, air = 0;
+  constexpr int kMean = 30;
+  const auto note = [&](SolverSheet& sheet, int frame) {
+    if (frame <= task.frames() - kMean) return;
+    hand += sheet.solver.hand_force(0).z() / kMean;
+    floor += sheet.floor_force().z() / kMean;
+    air -= sheet.gauge() * projected_area(sheet.solver.pattern(), sheet.positions) / kMean;
   };
-  solver_lift(task, settings(), check_balance);
+  solver_lift(task, settings(), note);
+  const double weight = LiftTask::kMass * LiftTask::kGravity;
+  EXPECT_GT(hand, 0.1 * weight);  // 0.16 to 0.45 by how friction leaves it, in fine-step runs too
+  EXPECT_NEAR(hand + floor, weight + air, slack(0.01) * (weight + std::abs(air)));
 }
 
 TEST_P(KnownAnswers, VacuumLift) {

@@ -39,9 +39,31 @@ TEST(ReferenceLift, TwoPointsByTheDefaultDial) {
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
-// Off by 19 to 31 %, from one start or instruction set to the next.
+// Fine-step runs from starts shaken by 1 um lie 13 to 33 % from each other: means of runs are compared, of
+// four here and of six there. 0.22 to 0.23 by instruction set; single runs 0.12 to 0.30.
 TEST(ReferenceLift, DISABLED_TailOfTheStretchAtTwoPoints) {
-  EXPECT_LT(errors_of(two_point_lift(), Dial::kDefault).p99_stretch, 0.2);
+  ClothRun reference;
+  std::ifstream file(SOFTPOINT_CLOTH_DATA "/lift_400cm3_two_points_p99.csv");
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    double frame = 0;
+    reference.emplace_back();
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf", &frame, &reference.back().time,
+                          &reference.back().p99_stretch),
+              3);
+  }
+  ClothRun mean(reference.size());
+  constexpr int kStarts = 4;
+  for (int start = 0; start < kStarts; ++start) {
+    const ClothRun run =
+        solver_lift(two_point_lift(), settings_of(Dial::kDefault), {}, 1 << 30, start == 0 ? 0 : 1e-6, start);
+    ASSERT_EQ(run.size(), reference.size());
+    for (std::size_t i = 0; i < run.size(); ++i) mean[i].p99_stretch += run[i].p99_stretch / kStarts;
+  }
+  const double off = compare(mean, reference).p99_stretch;
+  std::printf("two points, mean of %d starts: p99 of stretch %.3f\n", kStarts, off);
+  EXPECT_LT(off, 0.2);
 }
 
 TEST(ReferenceLift, CentreByTheExactDial) {

@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <random>
 
 #include "bubble_finder.h"
 #include "cloth_solver.h"
@@ -92,14 +93,19 @@ class SolverSheet {
   std::vector<Vec3> positions, velocities;
 };
 
-// The task by the solver; `watch` is called after each frame.
+// The task by the solver; `watch` is called after each frame. The start is up to `shaken` (m) higher or
+// lower.
 inline ClothRun solver_lift(const LiftTask& task, const ClothSettings& settings,
-                            const std::function<void(SolverSheet&, int)>& watch = {}, int frames = 1 << 30) {
+                            const std::function<void(SolverSheet&, int)>& watch = {}, int frames = 1 << 30,
+                            double shaken = 0, unsigned seed = 0) {
   const Fabric fabric = reference_fabric();
   SolverSheet sheet(reference_pattern(task.columns, fabric), fabric, settings);
   std::vector<Vec3> start = sheet.positions;
   for (Vec3& x : start) x.z() = task.start_height();
-  sheet.place(start);
+  std::vector<Vec3> first = start;
+  std::mt19937 random(seed);
+  for (Vec3& x : first) x.z() += shaken * (2.0 * random() / random.max() - 1.0);
+  sheet.place(first);
   sheet.floor_friction = LiftTask::kFriction;
   sheet.seal(task.air);
   ClothRun run;
