@@ -137,12 +137,15 @@ figure::PlaceInterval read_place(ObjectReader& entry, const std::vector<Link>& l
                               {{"feet", PlaceRule::kFeet},
                                {"pin", PlaceRule::kPin},
                                {"gravity", PlaceRule::kGravity},
-                               {"contact", PlaceRule::kContact}},
+                               {"contact", PlaceRule::kContact},
+                               {"hold", PlaceRule::kHold}},
                               {.doc = "feet: the base by its keys, legs bend; pin: a point stays; gravity: "
                                       "it stays while the figure touches something, else free flight; "
-                                      "contact: by dynamics"});
+                                      "contact: by dynamics; hold: by dynamics, with points held and legs "
+                                      "between them limp"});
   place.link = figure_link_index(entry, "link", entry.text("link", {.doc = "that is held"}), links);
-  const std::string other = entry.text("other", {.fallback = "", .doc = "feet: a second link that is held"});
+  const std::string other =
+      entry.text("other", {.fallback = "", .doc = "feet, hold: a second link that is held"});
   if (!other.empty()) place.other = figure_link_index(entry, "other", other, links);
   place.point = entry.vec3("point", {.quantity = Quantity::kLength,
                                      .low = -kMaxLength,

@@ -4,6 +4,7 @@
 
 #include "link_chain.h"
 #include "softpoint/figure/amdl.h"
+#include "softpoint/figure/figure_animation.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "softpoint/figure/swing_twist.h"
 #include "support.h"
@@ -178,6 +179,50 @@ TEST(Pins, OrderFourHoldsWithALoop) {
   const double coarse = off(Integrator::kRungeKutta4, 160), fine = off(Integrator::kRungeKutta4, 320);
   std::printf("    %.2e to %.2e, order %.2f\n", coarse, fine, std::log2(coarse / fine));
   EXPECT_GT(std::log2(coarse / fine), 3.5);
+}
+
+// The same as a rule of a clip: keyed up to 0.2 s, then limp with both feet held, one foot alone in the end.
+TEST(Pins, AClipHoldsTwoFeet) {
+  const Held held;
+  FigureClip clip;
+  clip.end = 0.8;
+  for (int i = 0; i < held.model.link_count(); ++i) {
+    const auto q = held.start.q.begin() + held.model.position_offset(i);
+    const int count = position_count(held.model.links()[static_cast<std::size_t>(i)].joint);
+    clip.tracks.push_back({i, Interpolation::kCubic, {{0, {q, q + count}, {}}, {0.8, {q, q + count}, {}}}});
+  }
+  const PinnedPoint &right = held.pins[0], &left = held.pins[1];
+  clip.dynamics = {{0.2, 0.8, {}}};
+  for (int i = 1; i < held.model.link_count(); ++i) clip.dynamics[0].links.push_back(i);
+  clip.places = {{0.2, 0.6, PlaceRule::kHold, right.link, right.point, left.link},
+                 {0.6, 0.8, PlaceRule::kHold, left.link, left.point, -1}};
+  AnimationSettings settings;
+  settings.substeps = 8;
+  FigureAnimation animation(held.model, clip, settings);
+  animation.evaluate();
+  double moved = 0, fallen = 0;
+  for (int k = 6; k < animation.frame_count(); ++k) {
+    const FigureState& now = animation.frame(k);
+    moved = std::max(moved, (point_of(held.model, left.link, left.point, now) - left.place).norm());
+    const bool both = k <= 18;
+    if (both)
+      moved = std::max(moved, (point_of(held.model, right.link, right.point, now) - right.place).norm());
+    EXPECT_LE(outside_ranges(held.model, now), 1e-10);
+    fallen = std::max(fallen, 1.4 - now.q[2]);
+  }
+  FigureDynamics dynamics(held.model);
+  const FigureState& last = animation.frame(animation.frame_count() - 1);
+  dynamics.place(last.q.data(), last.qd.data());
+  const Vec3 wanted = animation.counts().impulse + 0.6 * held.model.total_mass() * Vec3(0, 0, -9.81);
+  const double momentum = (dynamics.mechanics().momentum - wanted).norm();
+  std::printf("    feet moved %.1e m, root fell %.2f m, momentum off by %.1e of %.0f N s\n", moved, fallen,
+              momentum, animation.counts().impulse.norm());
+  EXPECT_LE(moved, 1e-10);
+  EXPECT_GT(fallen, 0.2);
+  EXPECT_LE(momentum, 1e-3);
+  EXPECT_EQ(animation.counts().guard_fired, 0);
+  clip.places[0].other = right.link;
+  expect_refusal([&] { animation.set_clip(clip); }, {"place 0 other", "held already"});
 }
 
 // A chain that is taut between its ends has no way to go, whatever it is told: it must not tear.

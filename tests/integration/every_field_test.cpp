@@ -155,6 +155,10 @@ std::vector<json> figures() {
   doll["places"][0] = json::parse(R"({"begin": 0, "end": 0.2, "rule": "contact", "link": "foot"})");
   doll["dynamic"][0] = json::parse(R"({"begin": 0, "end": 0.2, "limb": "trunk"})");
   all.push_back(d);
+  doll["places"][0] =
+      json::parse(R"({"begin": 0, "end": 0.2, "rule": "hold", "link": "foot", "other": "arm"})");
+  all.push_back(d);
+  doll["places"][0].erase("other");
   doll["mode"] = "paper";
   doll["links"][1].erase("dry_friction");
   doll["places"][0]["rule"] = "gravity";

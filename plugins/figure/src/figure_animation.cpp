@@ -11,13 +11,22 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
 
-constexpr double kSameTime = 1e-9;  // s
+void check_hold(const FigureClip& clip, const AnimationSettings& settings) {
+  const bool good = settings.limits != LimitMode::kPaper && settings.integrator != Integrator::kVariational;
+  for (const PlaceInterval& p : clip.places) {
+    if (p.rule != PlaceRule::kHold || good) continue;
+    throw Error(std::string("places: hold with the integrator ") + name(settings.integrator) +
+                " and limits " + name(settings.limits) +
+                "; permitted are other integrators than variational, none and exact");
+  }
+}
 
 }  // namespace
 
 FigureAnimation::Impl::Impl(const FigureModel& of, FigureClip what, AnimationSettings how)
     : model(of), clip(std::move(what)), settings(std::move(how)) {
   check_clip(model, clip);
+  check_hold(clip, settings);
   check_range("frame_time", settings.frame_time, 1e-5, 1);
   check_range("substeps", settings.substeps, 1, 10000);
   check_range("friction", settings.friction, 0, 100);
@@ -25,54 +34,6 @@ FigureAnimation::Impl::Impl(const FigureModel& of, FigureClip what, AnimationSet
   DynamicPiece(model, {}, settings, splines);  // refuses what does not go together
   is_dynamic.assign(static_cast<std::size_t>(model.link_count()), 0);
   scratch.resize(static_cast<std::size_t>(model.velocity_count()));
-}
-
-void FigureAnimation::Impl::make_ticks() {
-  ticks.clear();
-  frame_ticks.clear();
-  const int frames = static_cast<int>(std::floor(clip.end / settings.frame_time + 1e-6)) + 1;
-  std::vector<double> times;
-  for (int k = 0; k < frames; ++k) times.push_back(k * settings.frame_time);
-  const std::size_t regular = times.size();
-  for (const auto& d : clip.dynamics) times.insert(times.end(), {d.begin, d.end});
-  for (const auto& p : clip.places) times.insert(times.end(), {p.begin, p.end});
-  std::vector<double> more(times.begin() + static_cast<std::ptrdiff_t>(regular), times.end());
-  times.resize(regular);
-  for (const double t : more) {
-    const auto near = [&](double other) { return std::abs(other - t) < 1e-7; };
-    if (t < times[regular - 1] && std::none_of(times.begin(), times.end(), near)) times.push_back(t);
-  }
-  std::sort(times.begin(), times.end());
-  ticks = times;
-  for (int k = 0; k < frames; ++k) {
-    const auto it = std::lower_bound(ticks.begin(), ticks.end(), k * settings.frame_time - 1e-7);
-    frame_ticks.push_back(static_cast<std::size_t>(it - ticks.begin()));
-  }
-}
-
-void FigureAnimation::Impl::make_spline(const JointTrack& track, double from, const FigureState* start,
-                                        const std::vector<double>& acceleration) {
-  double until = 1e300;
-  for (const DynamicInterval& d : clip.dynamics) {
-    const bool takes = std::count(d.links.begin(), d.links.end(), track.link) > 0;
-    if (takes && d.begin > from - kSameTime) until = std::min(until, d.begin);
-  }
-  JointTrack part{track.link, track.interpolation, {}};
-  if (start != nullptr) {
-    const JointKind kind = model.links()[static_cast<std::size_t>(track.link)].joint;
-    const auto q = start->q.begin() + model.position_offset(track.link);
-    const auto v = start->qd.begin() + model.velocity_offset(track.link);
-    part.keys.push_back({from, {q, q + position_count(kind)}, {v, v + velocity_count(kind)}});
-  }
-  bool runs_on = false;
-  for (const JointKey& key : track.keys) {
-    if (start != nullptr && key.time < from + 1e-6) continue;
-    part.keys.push_back(key);
-    if (key.time < until - 1e-7) continue;
-    runs_on = until < 1e299 && key.time < until + 1e-7;
-    break;
-  }
-  splines[static_cast<std::size_t>(track.link)].emplace(model, part, acceleration, runs_on);
 }
 
 // Which joints are dynamic from a time on, and the pieces into which the prescribed ones cut them.
@@ -129,8 +90,15 @@ void FigureAnimation::Impl::choose_base(double time, const FigureState& at) {
     }
     return;
   }
-  if (rule.rule == PlaceRule::kContact) {
+  if (rule.rule == PlaceRule::kContact || rule.rule == PlaceRule::kHold) {
     by_contact = true;
+    std::vector<PinnedPoint> pins;
+    for (const int link : {rule.link, rule.other}) {
+      if (link < 0 || rule.rule == PlaceRule::kContact) continue;
+      const LinkChain chain(model, link);
+      pins.push_back({link, rule.point, chain.evaluate(rule.point, at.q.data(), nullptr, nullptr).position});
+    }
+    landing->hold(std::move(pins));
     return;
   }
   if (rule.rule == PlaceRule::kGravity) {
@@ -179,7 +147,8 @@ void FigureAnimation::Impl::evaluate() {
   }
   events.clear();
   bool wants_gravity = false, wants_contact = false;
-  for (const PlaceInterval& p : clip.places) wants_contact = wants_contact || p.rule == PlaceRule::kContact;
+  for (const PlaceInterval& p : clip.places)
+    wants_contact = wants_contact || p.rule == PlaceRule::kContact || p.rule == PlaceRule::kHold;
   if (wants_contact) landing = std::make_unique<LandingRule>(model, clip, settings, splines);
   for (const PlaceInterval& p : clip.places) wants_gravity = wants_gravity || p.rule == PlaceRule::kGravity;
   if (wants_gravity) gravity = std::make_unique<GravityRule>(model, clip, settings);
@@ -262,6 +231,7 @@ void FigureAnimation::evaluate() { impl_->evaluate(); }
 
 void FigureAnimation::set_clip(FigureClip clip) {
   check_clip(impl_->model, clip);
+  check_hold(clip, impl_->settings);
   impl_->clip = std::move(clip);
 }
 

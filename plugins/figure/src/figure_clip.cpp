@@ -65,6 +65,11 @@ void check_clip(const FigureModel& model, FigureClip& clip) {
     if (!any) check_index(who + " link", place.link, model.link_count());
     if (place.other != -1) check_index(who + " other", place.other, model.link_count());
     check_range(who + " point", place.point, -kMaxPosition, kMaxPosition);
+    if (place.rule == PlaceRule::kHold && place.other == place.link) {
+      throw Error(who + " other = " + std::to_string(place.other) +
+                  ", the link that is held already; permitted "
+                  "is another one, or -1");
+    }
     if (place.rule != PlaceRule::kKeyed && model.links()[0].joint != JointKind::kFree) {
       throw Error(who + " for a figure whose first link is " + name(model.links()[0].joint) +
                   "; permitted is a free one");

@@ -199,11 +199,40 @@ void LandingRule::push_out(double time, FigureState& state) {
   }
 }
 
+void LandingRule::advance_held(double time, double dt, const FigureState& from, FigureState& next) {
+  scratch_ = from;
+  keep_inside(scratch_);
+  stepper_->set_pins({});
+  stepper_->set_state(scratch_);
+  stepper_->set_time(time);
+  stepper_->set_pins(pins_);
+  const int parts =
+      std::max(1, static_cast<int>(std::ceil(dt / settings_.frame_time * settings_.substeps - 1e-9)));
+  for (int k = 0; k < parts; ++k) {
+    totals_->guard_fired += !stepper_->step(dt / parts);
+    for (std::size_t i = 0; i < pins_.size(); ++i) {
+      const Vec3& p = stepper_->pin_impulses()[i];
+      totals_->impulse += p;
+      totals_->impulse_moment += pins_[i].place.cross(p);
+    }
+  }
+  next = stepper_->state();
+  stepper_->set_pins({});
+}
+
 void LandingRule::advance(double time, double dt, const std::vector<char>& dynamic, const FigureState& from,
                           FigureState& next, std::vector<PlaceEvent>& events, AnimationCounts& counts) {
   totals_ = &counts;
   choose(dynamic);
   const long long before = stepper_->dynamics().counts().calls;
+  if (!pins_.empty()) {
+    advance_held(time, dt, from, next);
+    ++counts.dynamic_steps;
+    counts.forward_calls += stepper_->dynamics().counts().calls - before;
+    touching_ = true;
+    last_link_ = pins_[0].link;
+    return;
+  }
   FigureState state = from;
   double done = 0;
   pressed_ = false;

@@ -17,10 +17,13 @@ class LandingRule {
   // Makes `next` from `from`; `dynamic` are the links left to dynamics besides the base.
   void advance(double time, double dt, const std::vector<char>& dynamic, const FigureState& from,
                FigureState& next, std::vector<PlaceEvent>& events, AnimationCounts& counts);
+  // From the next frame on these points are held and nothing is touched; none: contact again.
+  void hold(std::vector<PinnedPoint> pins) { pins_ = std::move(pins); }
   bool touching() const { return touching_; }
   const FigureCollision::Counts& counts() const { return collision_.counts(); }
 
  private:
+  void advance_held(double time, double dt, const FigureState& from, FigureState& next);
   void choose(const std::vector<char>& dynamic);
   bool fly(double time, double dt, const FigureState& from, FigureState& to);
   void keep_inside(FigureState& state) const;
@@ -40,6 +43,7 @@ class LandingRule {
   ContactImpulses impulses_;
   MomentumKeeper momentum_;
   KeyedMotion motion_;
+  std::vector<PinnedPoint> pins_;
   std::vector<char> dynamic_;
   std::optional<FigureModel> free_model_;  // with the ranges of the dynamic joints alone
   std::optional<FigureStepper> stepper_;

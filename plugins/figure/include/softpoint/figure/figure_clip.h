@@ -22,17 +22,18 @@ enum class PlaceRule {
   kFeet,     // those too, and the limbs of `link` and `other` bend so that a point of each stays where it is
   kPin,      // a point of a link stays where it is
   kGravity,  // section 3.2 of the paper: that point while the figure touches something, else free flight
-  kContact   // by dynamics: flight with its momentum, inelastic landing, friction; the base's turn too
+  kContact,  // by dynamics: flight with its momentum, inelastic landing, friction; the base's turn too
+  kHold  // by dynamics, with a point of `link`, and that of `other`, held where it is; nothing else touches
 };
 
 // A rule from one time to another; where none holds it is kKeyed. The first link's turn is keyed, but for
-// kContact.
+// kContact and kHold.
 struct PlaceInterval {
   double begin = 0, end = 0;  // s
   PlaceRule rule = PlaceRule::kPin;
   int link = 0;               // that is pinned; -1 with kGravity: whichever touches first
   Vec3 point = Vec3::Zero();  // m, of it, in its frame
-  int other = -1;             // kFeet: the second foot, held at the same point of its frame; -1: none
+  int other = -1;             // kFeet, kHold: the second foot, held at the same point of its frame; -1: none
 };
 
 // A clip: keys, what is dynamic, where the figure stands.
