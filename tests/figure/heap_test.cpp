@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "controller_room.h"
 #include "softpoint/figure/amdl.h"
 #include "softpoint/figure/figure_collision.h"
 #include "softpoint/figure/figure_stepper.h"
@@ -89,6 +90,29 @@ TEST(FigureHeap, StepsWithPinsAndConesAllocateNothing) {
   EXPECT_EQ(test::heap_calls - before, 0);
   EXPECT_EQ(stepper.guard_fired(), 0);
   EXPECT_GT(stepper.limit_counts().impacts, 3);
+}
+
+// A limp doll on a floor and against a box that gives way, in Bullet's own step of the controller.
+TEST(FigureHeap, AControllersStepsInContactAllocateNothing) {
+  const FigureModel model = doll();
+  FigureAnimation animation(model, doll_clip());
+  animation.evaluate();
+  Room room;
+  room.world.setGravity(btVector3(0, 0, btScalar(-9.81)));
+  room.box(btVector3(10, 10, 0.5), 0, btVector3(0, 0, -0.5));
+  room.box(btVector3(0.2, 0.2, 0.2), 5, btVector3(0, 0.3, 0.2));
+  ArticulatedController controller(room.world, animation);
+  controller.hand_over(0, true);
+  long long calls = 0, contacts = 0;
+  for (int k = 0; k < 180; ++k) {
+    room.world.stepSimulation(btScalar(1) / 60, 0);
+    if (k == 120) contacts = controller.counts().contacts;
+    const long long before = test::heap_calls;
+    controller.updateAction(&room.world, btScalar(1) / 60);
+    if (k > 120) calls += test::heap_calls - before;
+  }
+  EXPECT_EQ(calls, 0);
+  EXPECT_GT(controller.counts().contacts, contacts + 60);
 }
 
 TEST(FigureHeap, DynamicsAndCollisionAllocateNothing) {

@@ -29,9 +29,12 @@ struct __attribute__((visibility("hidden"))) ArticulatedController::Impl {
   void publish();
   void choose();
   void advance(double dt);
-  void advance_part(double dt);
+  void advance_part(double dt, double left);
   void strike(double when, const FigureState& at, std::vector<double>& speed);
-  void push_out();
+  void push_out(double left);
+  // The contacts of the present state that can press within `ahead` s, `left` s before the step's end.
+  void look(double left, double ahead);
+  void place_capsules(double ahead);
 
   struct Body {
     LinkCapsule capsule;

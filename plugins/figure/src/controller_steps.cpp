@@ -6,7 +6,11 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
 
-constexpr double kSlop = 1e-3;  // m, that may be left in penetration
+constexpr double kNear = 1e-3;        // m: contacts are looked after there
+constexpr double kTouching = 1e-5;    // m: nearer is contact
+constexpr double kDeepest = 2e-5;     // m: deeper is pushed out,
+constexpr double kMostPushed = 0.05;  // m, by no more in one of so many rounds
+constexpr int kMostRounds = 12;
 
 }  // namespace
 
@@ -71,20 +75,47 @@ void ArticulatedController::Impl::strike(double when, const FigureState& at, std
   }
 }
 
+void ArticulatedController::Impl::place_capsules(double ahead) {
+  const FigureState& state = figure.state();
+  placer.place(state.q.data(), state.qd.data());
+  const double falls = ahead * animation.settings().gravity.norm();
+  std::vector<WorldTouches::Capsule>& placed = touches.capsules();
+  placed.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const LinkCapsule& c = bodies[i].capsule;
+    const LinkMotion m = placer.motion(c.link);
+    WorldTouches::Capsule& to = placed[i];
+    to.body = bodies[i].body.get();
+    to.link = links[i];
+    to.radius = c.radius;
+    to.from = m.position + m.orientation * c.from;
+    to.to = m.position + m.orientation * c.to;
+    const double arm = std::max(c.from.norm(), c.to.norm()) + c.radius;
+    to.reach = kNear + 1.5 * ahead * (m.velocity.norm() + m.angular_velocity.norm() * arm + falls);
+  }
+}
+
+void ArticulatedController::Impl::look(double left, double ahead) {
+  place_capsules(ahead);
+  touches.look(left, ahead);
+}
+
 // Half of what the contacts give before the part, half after it, as in (27) of doc/dynamics.md.
-void ArticulatedController::Impl::advance_part(double dt) {
+void ArticulatedController::Impl::advance_part(double dt, double left) {
   const bool floats = now[0] && animation.model().links()[0].joint == JointKind::kFree;
   const Vec3& gravity = animation.settings().gravity;
   const double start = figure.time();
+  if (touches.any_near()) look(left, dt);
+  pressed = false;
   figure.step(dt);
-  if (!touches.empty()) {
+  if (touches.any_near() && !touches.empty()) {
     const FigureState& from = figure.before();
     for (std::size_t k = 0; k < rates.size(); ++k) mean[k] = 0.5 * (from.qd[k] + figure.state().qd[k]);
     rates = mean;
     for (std::size_t i = 0; i < touches.gaps().size(); ++i) {
       touches.contacts()[i].lowest = -std::max(touches.gaps()[i], 0.0) / dt;
     }
-    pressed = false;
+    counts.contacts += static_cast<long long>(touches.contacts().size());
     strike(start, from, rates);
     if (pressed) {
       for (std::size_t k = 0; k < rates.size(); ++k) rates[k] = from.qd[k] + (rates[k] - mean[k]);
@@ -96,35 +127,51 @@ void ArticulatedController::Impl::advance_part(double dt) {
     momentum.keep(gravity, dt, figure.before(), figure.state(), rates);
     figure.set_rates(rates);
   }
-  if (touches.empty() || !pressed) return;
-  rates = figure.state().qd;
+  if (!touches.any_near()) return;
+  push_out(left - dt);
+  look(left - dt, 0);
+  bool any = false;
   for (std::size_t i = 0; i < touches.gaps().size(); ++i) {
-    const bool near = impulses.impulses()[i].squaredNorm() > 0;
-    touches.contacts()[i].lowest = near ? 0 : -std::max(touches.gaps()[i], 1e-3) / dt;
+    const bool near = touches.gaps()[i] <= kTouching;
+    touches.contacts()[i].lowest = near ? 0 : -std::max(touches.gaps()[i], kTouching) / dt;
+    any = any || near;
   }
+  if (!any) return;
+  rates = figure.state().qd;
   strike(figure.time(), figure.state(), rates);
   figure.set_rates(rates);
 }
 
-// A fifth of what is deeper than the slop, of the figure alone.
-void ArticulatedController::Impl::push_out() {
-  bool deep = false;
-  for (std::size_t i = 0; i < touches.gaps().size(); ++i) {
-    const double depth = -touches.gaps()[i] - kSlop;
-    touches.contacts()[i].lowest = depth > 0 ? std::min(0.2 * depth, 0.02) : -1;
-    touches.contacts()[i].other = -1;
-    deep = deep || depth > 0;
-  }
-  if (!deep) return;
-  impulses.push_out(figure.prepare(figure.state(), figure.time()), figure.state().q.data(),
-                    touches.contacts(), by.data());
+// What is deeper than may be is moved out, of the figure alone, with its momentum kept.
+void ArticulatedController::Impl::push_out(double left) {
   const bool floats = now[0] && animation.model().links()[0].joint == JointKind::kFree;
-  if (floats) before = figure.state();
-  figure.move(by);
-  if (!floats) return;
-  rates = figure.state().qd;
-  momentum.keep(animation.settings().gravity, 0, before, figure.state(), rates);
-  figure.set_rates(rates);
+  for (int round = 0; round < kMostRounds; ++round) {
+    look(left, 0);
+    bool deep = false;
+    for (std::size_t i = 0; i < touches.gaps().size(); ++i) {
+      touches.contacts()[i].lowest = -touches.gaps()[i];
+      touches.contacts()[i].other = -1;
+      touches.contacts()[i].lowest = std::min(touches.contacts()[i].lowest, kMostPushed);
+      deep = deep || touches.gaps()[i] < -kDeepest;
+    }
+    if (!deep) return;
+    before = figure.state();
+    if (round < kMostRounds / 2 || !floats) {
+      impulses.push_out(figure.prepare(figure.state(), figure.time()), figure.state().q.data(),
+                        touches.contacts(), by.data());
+    } else {  // joints at their stops do not give way: all of it, then
+      Vec3 shift = Vec3::Zero();
+      for (const ContactImpulses::Contact& c : touches.contacts())
+        shift += std::max(0.0, c.lowest - shift.dot(c.normal)) * c.normal;
+      std::fill(by.begin(), by.end(), 0.0);
+      for (std::size_t k = 0; k < 3; ++k) by[k + 3] = shift[static_cast<int>(k)];
+    }
+    figure.move(by);
+    if (!floats) continue;
+    rates = figure.state().qd;
+    momentum.keep(animation.settings().gravity, 0, before, figure.state(), rates);
+    figure.set_rates(rates);
+  }
 }
 
 void ArticulatedController::Impl::advance(double dt) {
@@ -133,13 +180,15 @@ void ArticulatedController::Impl::advance(double dt) {
     figure.step(dt);
     return;
   }
-  const long long guarded = figure.guard_fired();
-  touches.gather(world, shown, links);
-  counts.contacts += static_cast<long long>(touches.contacts().size());
+  const long long guarded = figure.guard_fired(), calls = figure.forward_calls();
+  place_capsules(dt);
+  touches.gather(world, shown, dt);
   const int parts = std::max(1, static_cast<int>(std::ceil(dt / settings.max_step - 1e-9)));
-  for (int k = 0; k < parts; ++k) advance_part(dt / parts);
-  if (!touches.empty()) push_out();
+  for (int k = 0; k < parts; ++k) advance_part(dt / parts, dt * (parts - k) / parts);
   counts.guard_fired += figure.guard_fired() - guarded;
+  counts.forward_calls += figure.forward_calls() - calls;
+  counts.boxes_overlapping = touches.boxes_overlapping();
+  counts.narrow_tests = touches.narrow_tests();
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

@@ -230,27 +230,36 @@ void check_state(const FigureModel& model, FigureState& state) {
   };
   check_size("q", state.q.size(), model.position_count());
   check_size("qd", state.qd.size(), model.velocity_count());
-  FigureState next = state;
+  // Texts are made for what is refused alone, and nothing is changed before all is known to be good: states
+  // are set within steps too.
+  const auto check = [&](const Link& link, int i, const char* field, double value) {
+    if (!(std::abs(value) <= 1e9)) check_range(field_of(link, i, field), value, -1e9, 1e9);
+  };
+  const auto turn_of_link = [&](int i) -> double* {
+    const JointKind kind = model.links()[static_cast<std::size_t>(i)].joint;
+    if (kind != JointKind::kBall && kind != JointKind::kFree) return nullptr;
+    return state.q.data() + model.position_offset(i) + (kind == JointKind::kFree ? 3 : 0);
+  };
+  const auto length_of = [](const double* turn) {
+    return std::hypot(std::hypot(turn[0], turn[1]), std::hypot(turn[2], turn[3]));
+  };
   for (int i = 0; i < model.link_count(); ++i) {
     const Link& link = model.links()[static_cast<std::size_t>(i)];
-    const auto begin = static_cast<std::size_t>(model.position_offset(i));
-    for (int k = 0; k < figure::position_count(link.joint); ++k) {
-      check_range(field_of(link, i, "q"), next.q[begin + static_cast<std::size_t>(k)], -1e9, 1e9);
-    }
-    for (int k = 0; k < figure::velocity_count(link.joint); ++k) {
-      check_range(field_of(link, i, "qd"), next.qd[static_cast<std::size_t>(model.velocity_offset(i) + k)],
-                  -1e9, 1e9);
-    }
-    if (link.joint != JointKind::kBall && link.joint != JointKind::kFree) continue;
-    double* turn = next.q.data() + begin + (link.joint == JointKind::kFree ? 3 : 0);
-    const double length = std::hypot(std::hypot(turn[0], turn[1]), std::hypot(turn[2], turn[3]));
-    if (!(length > 1e-6)) {
-      throw Error(field_of(link, i, "q") + " has a quaternion of length " + to_text(length) +
-                  "; permitted is a length above 1e-06");
-    }
+    const double* q = state.q.data() + model.position_offset(i);
+    const double* qd = state.qd.data() + model.velocity_offset(i);
+    for (int k = 0; k < figure::position_count(link.joint); ++k) check(link, i, "q", q[k]);
+    for (int k = 0; k < figure::velocity_count(link.joint); ++k) check(link, i, "qd", qd[k]);
+    const double* turn = turn_of_link(i);
+    if (turn == nullptr || length_of(turn) > 1e-6) continue;
+    throw Error(field_of(link, i, "q") + " has a quaternion of length " + to_text(length_of(turn)) +
+                "; permitted is a length above 1e-06");
+  }
+  for (int i = 0; i < model.link_count(); ++i) {
+    double* turn = turn_of_link(i);
+    if (turn == nullptr) continue;
+    const double length = length_of(turn);
     for (int k = 0; k < 4; ++k) turn[k] /= length;
   }
-  state = std::move(next);
 }
 
 }  // namespace softpoint::inline SOFTPOINT_ABI::figure

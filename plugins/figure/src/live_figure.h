@@ -43,6 +43,7 @@ class LiveFigure final : public PrescribedMotion {
   // Articulated inertias of the present state, or of that before the last step.
   FigureDynamics& prepare(const FigureState& at, double when);
   long long guard_fired() const { return guard_fired_; }
+  long long forward_calls() const { return stepper_ ? stepper_->dynamics().counts().calls : 0; }
 
   void evaluate(double time, double* q, double* qd, double* qdd) const override;
 

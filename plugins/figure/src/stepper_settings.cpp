@@ -12,17 +12,14 @@ void check_inside(const FigureModel& model, const FigureState& state) {
   for (int i = 0; i < model.link_count(); ++i) {
     const Link& link = model.links()[static_cast<std::size_t>(i)];
     if (!has_range(link)) continue;
-    const std::string field = "link " + std::to_string(i) + " '" + link.name + "' q, with limits";
     const double* q = state.q.data() + model.position_offset(i);
-    if (link.joint != JointKind::kBall) {
-      check_range(field, *q, link.lower, link.upper);
-    } else if (!(outside_range(link, q) <= 1e-12)) {
-      const SwingTwist turn = swing_twist(link, q);
-      throw Error(field + " swings by " + to_text(turn.swing) + " rad with a twist of " +
-                  to_text(turn.twist) + "; permitted is a cone of " + to_text(link.swing_about) + " and " +
-                  to_text(link.swing_across) + ", twist " + to_text(link.lower) + " to " +
-                  to_text(link.upper));
-    }
+    if (outside_range(link, q) <= (link.joint == JointKind::kBall ? 1e-12 : 0)) continue;
+    const std::string field = "link " + std::to_string(i) + " '" + link.name + "' q, with limits";
+    if (link.joint != JointKind::kBall) check_range(field, *q, link.lower, link.upper);
+    const SwingTwist turn = swing_twist(link, q);
+    throw Error(field + " swings by " + to_text(turn.swing) + " rad with a twist of " + to_text(turn.twist) +
+                "; permitted is a cone of " + to_text(link.swing_about) + " and " +
+                to_text(link.swing_across) + ", twist " + to_text(link.lower) + " to " + to_text(link.upper));
   }
 }
 
@@ -109,11 +106,12 @@ void FigureStepper::set_paper_friction(int link, double factor, double reference
   std::fill_n(m.friction.begin() + model.velocity_offset(link), count, rate);
 }
 
-void FigureStepper::set_state(FigureState state) {
+void FigureStepper::set_state(const FigureState& state) {
   Impl& m = *impl_;
-  check_state(m.dynamics.model(), state);
-  if (m.limits != LimitMode::kNone) check_inside(m.dynamics.model(), state);
-  m.state = std::move(state);
+  m.stage = state;
+  check_state(m.dynamics.model(), m.stage);
+  if (m.limits != LimitMode::kNone) check_inside(m.dynamics.model(), m.stage);
+  std::swap(m.state, m.stage);
   std::fill(m.stops.begin(), m.stops.end(), Stop::kFree);
   m.set_joints();
 }

@@ -23,6 +23,9 @@ struct ControllerSettings {
 struct ControllerCounts {
   long long handovers = 0;             // times that the set of dynamic joints changed
   long long contacts = 0;              // points that could press
+  long long forward_calls = 0;         // forward dynamics
+  long long boxes_overlapping = 0;     // capsules and objects whose boxes met where a contact was looked for,
+  long long narrow_tests = 0;          // and tests of two such shapes
   long long guard_fired = 0;           // steps that would not have been finite and were left out
   Vec3 impulse = Vec3::Zero();         // N s, of the world on the figure, and
   Vec3 impulse_moment = Vec3::Zero();  // N m s, about the world's origin; the world got the opposite
@@ -33,9 +36,11 @@ struct ControllerCounts {
 // on by itself with every substep. Destroy it before the world.
 //
 // Joints can be handed to zero-torque dynamics and back at any time. Capsules that dynamic joints carry are
-// pushed back: by the contacts that Bullet has found they exchange impulses with rigid bodies, inelastic,
-// with Bullet's friction, and the figure's whole articulated inertia; all else (links of multibodies too)
-// counts as fixed. Soft bodies pass through them.
+// pushed back: they exchange impulses with rigid bodies, inelastic, with Bullet's friction, and the figure's
+// whole articulated inertia; all else (links of multibodies too) counts as fixed. Boxes, spheres, capsules,
+// planes and compounds of them are met in closed form, within the step and before they are gone through:
+// after it no limp capsule is deeper than 0.1 mm where its joints can give way. Other shapes are met where
+// Bullet has found contacts. Soft bodies pass through.
 class SOFTPOINT_API ArticulatedController final : public btActionInterface {
  public:
   // Puts the capsules into the world. `animation` was evaluated, is kept by reference and plays from its

@@ -79,8 +79,8 @@ class SOFTPOINT_API FigureStepper {
   void set_prescribed_motion(const PrescribedMotion* motion);
 
   const FigureState& state() const;
-  void set_state(FigureState state);  // refused like by check_state()
-  double time() const;                // s
+  void set_state(const FigureState& state);  // refused like by check_state(); allocates nothing
+  double time() const;                       // s
   void set_time(double time);
 
   // By `dt` s, 0 < dt <= 1. A state that would not be finite is not taken over: false, and the step counts in
