@@ -56,12 +56,11 @@ TEST(ClothScenes, FourHundredCubicCentimetresMakeATent) {
   EXPECT_LT(play.least_gauge, -5);
 }
 
-// Set aside: along warp and weft the heights sum to 0.21 m, between them to 0.52: four folds run along the
-// diagonals. 1.2 times as much along warp and weft is asked for.
-TEST(ClothScenes, DISABLED_OnePointRaisesACross) {
+// Four folds along warp and weft: twice as high there as between, 1.4 to 2.6 times in starts shaken by 1 um.
+TEST(ClothScenes, OnePointRaisesACross) {
   ClothPlay play("cloth_one_point");
   play.to_the_end();
-  EXPECT_NEAR(play.top(), 0.0822, 5e-3);
+  EXPECT_NEAR(play.top(), 0.0622, 3e-3);
   EXPECT_NEAR(play.now().volume, 200e-6, 1e-6);
   // Along warp and weft, three centimetres from the point, the cloth stands higher than between them.
   double along = 0, between = 0;
