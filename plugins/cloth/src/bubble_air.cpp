@@ -22,7 +22,12 @@ void BubbleFinder::move_air() {
   // Area of all faces while none remains, of the remaining ones as soon as one does.
   old_children_.assign(old_pockets_.size(), 0);
   for (std::size_t f = 0; f < faces; ++f) {
-    if (old_bubble_of(f) >= 0 && now_of(f) >= 0) ++old_children_[old_bubble_of(f)];
+    if (old_bubble_of(f) < 0 || now_of(f) < 0) continue;
+    ++old_children_[old_bubble_of(f)];
+    const Seal& seal = old_seals_[old_bubble_of(f)];
+    Bubble& bubble = bubbles_[now_of(f)];
+    bubble.touched = bubble.touched || seal.touched;
+    bubble.unsealed = bubble.unsealed && seal.unsealed;
   }
   for (std::size_t f = 0; f < faces; ++f) {
     const int old = old_bubble_of(f);

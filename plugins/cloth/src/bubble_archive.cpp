@@ -36,6 +36,8 @@ void BubbleFinder::archive(StateArchive& archive) {
   archive.list("bubbles", bubbles_, faces, [&](Bubble& bubble) {
     archive.flag("closed", bubble.closed);
     archive.flag("thin", bubble.thin);
+    archive.flag("touched", bubble.touched);
+    archive.flag("unsealed", bubble.unsealed);
     archive.flag("patch", bubble.patch);
   });
   if (!archive.loading()) return;

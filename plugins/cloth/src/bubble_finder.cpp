@@ -34,6 +34,7 @@ BubbleFinder::BubbleFinder(AirTopology topology, const AirSettings& settings)
   bubbles_.reserve(faces + 1);
   old_weight_.reserve(faces);
   old_area_.reserve(faces);
+  old_seals_.reserve(faces);
   old_children_.reserve(faces);
   seen_by_.reserve(faces);
   face_order_.assign(faces, 0);
@@ -116,6 +117,7 @@ bool BubbleFinder::find(const AirFrame& frame) {
     const int a = rim.reversed ? edge.b : edge.a, b = rim.reversed ? edge.a : edge.b;
     rims_.push_back({face_pocket_[rim.face], a, b, frame.feet[a], frame.feet[b]});
   }
+  find_loose();
   close_pockets();
   close_patches(frame.positions);
   adhere(frame.gaps);
@@ -192,6 +194,8 @@ void BubbleFinder::number_pockets() {
   std::swap(face_pocket_, old_face_pocket_);
   std::swap(pockets_, old_pockets_);
   old_bubble_count_ = bubble_count_;
+  old_seals_.clear();
+  for (const Bubble& bubble : bubbles_) old_seals_.push_back({bubble.touched, bubble.unsealed});
   pockets_.clear();
   bubbles_.clear();
   const DisjointSets sets(parents_);
@@ -206,6 +210,7 @@ void BubbleFinder::number_pockets() {
       pockets_.emplace_back();
       bubbles_.emplace_back();
       bubbles_.back().closed = topology_.closed[f] != 0;
+      bubbles_.back().unsealed = !fresh_ && !bubbles_.back().closed && settings_.bubbles == Bubbles::kFound;
       if (old_face_pocket_[f] >= 0) pockets_.back().side = old_pockets_[old_face_pocket_[f]].side;
     } else {
       face_pocket_[f] = face_pocket_[root];

@@ -34,7 +34,11 @@ struct Bubble {
   bool closed = false;    // by its own faces
   bool thin = false;      // its air rests on the contact patch
   bool folded = false;    // its volume is negative
-  bool patch = false;     // no bubble, but a contact patch that suction holds
+  bool touches = false;   // some point of it does, while they are found
+  bool touched = false;   // some point of it has, at some time
+  bool unsealed =
+      false;           // its rim has not closed since it came to be, or came off: open, whatever `vent` says
+  bool patch = false;  // no bubble, but a contact patch that suction holds
 };
 
 // What the search did and left out, since the cloth was made.
@@ -124,6 +128,7 @@ class BubbleFinder {
   void collect_rims();
   void measure_rims(std::span<const double> gaps);
   void measure_pockets(const AirFrame& frame);
+  void find_loose();
   void close_pockets();
   void close_patches(std::span<const Vec3> positions);
   void adhere(std::span<const double> gaps);
@@ -155,6 +160,10 @@ class BubbleFinder {
   int bubble_count_ = 0, old_bubble_count_ = 0;  // what comes after them are patches
   std::vector<Bubble> bubbles_;
   std::vector<double> old_weight_, old_area_;
+  struct Seal {
+    bool touched, unsealed;
+  };
+  std::vector<Seal> old_seals_;
   std::vector<int> old_children_, seen_by_, face_order_, order_cursor_;
   std::vector<RimQuad> rims_;
   std::vector<Rim> rim_list_, rim_unsorted_;

@@ -35,11 +35,13 @@ void BubbleFinder::measure_faces(const AirFrame& frame) {
 void BubbleFinder::measure_pockets(const AirFrame& frame) {
   for (std::size_t i = 0; i < pockets_.size(); ++i) {
     Bubble& bubble = bubbles_[i];
-    const bool closed = bubble.closed, thin = bubble.thin, patch = bubble.patch;
+    const Bubble last = bubble;
     bubble = Bubble{};
-    bubble.closed = closed;
-    bubble.thin = thin;
-    bubble.patch = patch;
+    bubble.closed = last.closed;
+    bubble.thin = last.thin;
+    bubble.patch = last.patch;
+    bubble.touched = last.touched;
+    bubble.unsealed = last.unsealed;
     pockets_[i].closure = 0;
   }
   const auto& x = frame.positions;
@@ -118,10 +120,28 @@ void BubbleFinder::measure_rims(std::span<const double> gaps) {
 // atmosphere is a ton a square metre.
 constexpr double kBurst = 0.1;
 
+// What has touched and does no longer anywhere has come off: nothing seals it but a rim that is near all
+// round.
+void BubbleFinder::find_loose() {
+  if (settings_.vent || settings_.bubbles != Bubbles::kFound) return;
+  for (std::size_t f = 0; f < face_pocket_.size(); ++f) {
+    const int i = bubble_of(static_cast<int>(f));
+    if (i < 0) continue;
+    const auto [a, b, c] = topology_.faces[f];
+    bubbles_[i].touches = bubbles_[i].touches || touching_[a] || touching_[b] || touching_[c];
+  }
+  for (int i = 0; i < bubble_count_; ++i) {
+    Bubble& bubble = bubbles_[i];
+    bubble.unsealed = bubble.unsealed || (bubble.touched && !bubble.touches && !bubble.closed);
+    bubble.touched = bubble.touched || bubble.touches;
+    bubble.touches = false;
+  }
+}
+
 void BubbleFinder::close_pockets() {
   for (std::size_t i = 0; i < pockets_.size(); ++i) {
     AirPocket& pocket = pockets_[i];
-    const Bubble& bubble = bubbles_[i];
+    Bubble& bubble = bubbles_[i];
     pocket.closure = bubble.closed ? 0.0 : pocket.closure;
     pocket.ambient = settings_.ambient;
     pocket.max_suction =
@@ -134,9 +154,13 @@ void BubbleFinder::close_pockets() {
                            : AirPocket{}.max_gauge;
     if (bubble.patch) continue;
     const int end = rim_end(static_cast<int>(i));
-    for (int r = bubble.rim_begin; settings_.vent && !pocket.open && r < end; ++r) {
-      pocket.open = rim_list_[r].free && rim_list_[r].gap > settings_.bridge_gap;
+    bool wide = false;
+    for (int r = bubble.rim_begin; !wide && r < end; ++r) {
+      wide = rim_list_[r].free && rim_list_[r].gap > settings_.bridge_gap;
     }
+    // Without `vent` a rim that was sealed stays so whatever its gap; but a corner alone seals none.
+    bubble.unsealed = bubble.unsealed && wide;
+    pocket.open = pocket.open || (wide && (settings_.vent || bubble.unsealed));
     // A gap no film spans lets its air through at once.
     if (pocket.open && !bubble.thin && bubble.volume > 0) {
       vent(static_cast<int>(i), pocket.air - settings_.ambient * bubble.volume);
