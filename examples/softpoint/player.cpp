@@ -97,6 +97,7 @@ void Player::step() {
   const double dt = scene_.world.substep();
   for (int k = 0; k < scene_.world.substeps; ++k) {
     handles_->lead(time() + (k + 1) * dt);
+    for (auto& figure : figures_) figure->hand_over_until(time() + k * dt + 1e-9 * dt);
     const auto start = std::chrono::steady_clock::now();
     world_->stepSimulation(static_cast<btScalar>(dt), 0);  // 0: this very step, whatever the clock says
     work_.step_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

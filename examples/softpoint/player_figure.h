@@ -14,6 +14,8 @@ class FigureActor {
 
   const figure::FigureAnimation& animation() const { return animation_; }
   const figure::ArticulatedController& controller() const { return *controller_; }
+  // Gives over what the scene gives over up to this time (s).
+  void hand_over_until(double time);
   double seconds() const { return seconds_; }  // that making the animation took
   // Of all of it, as it is published now: m, m/s.
   Vec3 center() const;
@@ -22,6 +24,8 @@ class FigureActor {
  private:
   std::shared_ptr<const figure::FigureModel> model_;
   figure::FigureAnimation animation_;
+  std::vector<HandOver> hand_overs_;
+  std::size_t next_ = 0;
   double seconds_ = 0;
   std::unique_ptr<figure::ArticulatedController> controller_;
   mutable figure::FigureDynamics placer_;

@@ -232,6 +232,20 @@ FigureSpec read_figure(ObjectReader& item, const std::vector<RigidBodySpec>& sur
   item.list("places",
             {.optional = true, .doc = "what the place of the whole goes by for a time; else its keys"},
             [&](ObjectReader& entry, int) { spec.clip.places.push_back(read_place(entry, parts.links)); });
+  item.list(
+      "handovers", {.optional = true, .doc = "limbs that go limp while the scene is played, and back"},
+      [&](ObjectReader& entry, int) {
+        HandOver hand;
+        hand.time = read_clip_time(entry, "time");
+        hand.limb = figure_link_index(
+            entry, "limb",
+            entry.text("limb", {.doc = "its link, with all that hangs on it: of the first one, everything"}),
+            parts.links);
+        hand.dynamic = entry.boolean("dynamic", {.fallback = true, .doc = "false: back to the animation"});
+        spec.hand_overs.push_back(hand);
+      });
+  std::stable_sort(spec.hand_overs.begin(), spec.hand_overs.end(),
+                   [](const HandOver& a, const HandOver& b) { return a.time < b.time; });
   const auto end = item.optional_number("end", {.quantity = Quantity::kTime,
                                                 .low = 0,
                                                 .high = kLongestClip,

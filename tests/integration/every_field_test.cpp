@@ -149,6 +149,7 @@ std::vector<json> figures() {
     "joints": [{"joint": "arm", "values": [0, 0.5, "60 deg"]}, {"joint": "rod", "values": [0, 0.02, 0]},
       {"joint": "head", "values": [0, 0, 0, 0.1, 0, 0, 0.2, 0, 0]}],
     "dynamic": [{"begin": 0.1, "end": 0.2, "limb": "arm"}],
+    "handovers": [{"time": 0.01, "limb": "trunk"}, {"time": 0.02, "limb": "arm", "dynamic": false}],
     "places": [{"begin": 0, "end": 0.1, "rule": "pin", "link": "foot", "point": [0, 0, 0.1]}]}])");
   all.push_back(d);
   json& doll = d["figures"][0];

@@ -208,5 +208,47 @@ TEST(FigureScenes, ArePlayedAndMeasured) {
   EXPECT_GT(measured["narrow_tests"], 30);
 }
 
+// Handed to dynamics in mid-jump, while it is played: it flies on without a jump, knocks the box about and
+// comes to rest on what there is.
+TEST(FigureScenes, ARagdollOnDemandFallsAgainstABoxAndComesToRest) {
+  Player player(
+      read_scene(std::filesystem::path(SOFTPOINT_EXAMPLES_FOLDER) / "scenes" / "figure_ragdoll.json"));
+  const FigureActor& actor = player.figure(0);
+  const figure::FigureModel& model = actor.animation().model();
+  figure::FigureDynamics placer(model);
+  const auto lowest = [&] {
+    placer.place(actor.controller().state().q.data(), actor.controller().state().qd.data());
+    double low = 1e300;
+    for (const figure::LinkCapsule& c : actor.animation().clip().capsules) {
+      const figure::LinkMotion m = placer.motion(c.link);
+      for (const Vec3& end : {c.from, c.to})
+        low = std::min(low, (m.position + m.orientation * end).y() - c.radius);
+    }
+    return low;
+  };
+  const auto box = [&] { return player.rigid(2).body().getWorldTransform().getOrigin(); };
+  const btVector3 stood = box();
+  Vec3 velocity = actor.velocity();
+  double deepest = 0;
+  while (player.frame() < player.scene().frames) {
+    player.step();
+    const bool limp = player.time() > 0.7334 + player.scene().world.time_step;
+    EXPECT_EQ(actor.controller().dynamic(0), player.time() > 0.7334) << player.time();
+    if (limp && player.time() < 0.8) {  // in the air: gravity alone
+      EXPECT_NEAR((actor.velocity() - velocity).y(), -9.81 * player.scene().world.time_step, 1e-9);
+    }
+    velocity = actor.velocity();
+    if (limp) deepest = std::max(deepest, -lowest());
+  }
+  std::printf("    deepest in the floor %.1e m, box moved by %.2f m, figure at %.2f m, %.3f m/s\n", deepest,
+              static_cast<double>((box() - stood).length()), actor.center().y(), velocity.norm());
+  EXPECT_EQ(actor.controller().counts().handovers, 1);
+  EXPECT_EQ(actor.controller().counts().guard_fired, 0);
+  EXPECT_LE(deepest, 1e-4);
+  EXPECT_GT(static_cast<double>((box() - stood).length()), 0.05);
+  EXPECT_LT(actor.center().y(), 0.75);
+  EXPECT_LT(velocity.norm(), 0.2);
+}
+
 }  // namespace
 }  // namespace softpoint::scene
