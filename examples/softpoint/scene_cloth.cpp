@@ -40,6 +40,7 @@ class ClothSheet final : public Sheet {
     state.contact_area = body_.contact_area();
     for (const Vec3& force : body_.contact_forces()) state.contact_force += force.norm();
     state.substeps = body_.profile().counts.substeps;
+    state.marched = body_.profile().counts.marched;
     state.air_skipped = body_.profile().counts.air_skipped;
     return state;
   }

@@ -138,6 +138,8 @@ void read_solver(ObjectReader& item, cloth::ClothSettings& settings) {
     settings = cloth::settings_of(dial);
     Numbers number{reader};
     number("max_substep", settings.max_substep, Quantity::kTime, cloth::kMinSubstep, 1, "longest small step");
+    number("march_step", settings.march_step, Quantity::kTime, 0, 1,
+           "longest explicit step of a sheet over one bubble with air; 0: sweeps alone");
     number("max_move", settings.max_move, Quantity::kNumber, 0, 1000,
            "of hands and colliders a small step, over the spacing; 0: any");
     const auto integer = [&](std::string_view key, int& value, int low, int high, const std::string& doc) {

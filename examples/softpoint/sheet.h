@@ -20,6 +20,7 @@ struct SheetState {
   double contact_area = 0;   // m2, of points that press on something
   double contact_force = 0;  // N, sum of the sizes of their forces
   int substeps = 0;          // of the last step
+  int marched = 0;           // of the last step, explicit ones
   bool air_skipped = false;  // nothing was done for air
 };
 

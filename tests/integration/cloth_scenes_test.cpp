@@ -22,6 +22,8 @@ struct ClothPlay {
       most_stretch = std::max(most_stretch, state.stretch);
       least_gauge = std::min(least_gauge, state.gauge);
       most_bubbles = std::max(most_bubbles, state.bubbles);
+      ++frames;
+      marched += state.marched > 0;
     }
   }
   void to_the_end() {
@@ -45,6 +47,7 @@ struct ClothPlay {
   Player player;
   double most_stretch = 0, least_gauge = 0;
   int most_bubbles = 0;
+  int frames = 0, marched = 0;  // of them, those with explicit steps
 };
 
 TEST(ClothScenes, FourHundredCubicCentimetresMakeATent) {
@@ -53,7 +56,8 @@ TEST(ClothScenes, FourHundredCubicCentimetresMakeATent) {
   EXPECT_NEAR(play.top(), 0.1044, 3e-3);
   EXPECT_NEAR(play.now().volume, 400e-6, 1e-6);
   EXPECT_LT(play.most_stretch, 0.015);
-  EXPECT_LT(play.least_gauge, -5);
+  EXPECT_LT(play.least_gauge, -3);  // -3.2 to -7.1 in fine-step runs; was more by sweeps
+  EXPECT_EQ(play.marched, play.frames);
 }
 
 // Four folds along warp and weft: twice as high there as between, 1.4 to 2.6 times in starts shaken by 1 um.

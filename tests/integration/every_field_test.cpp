@@ -104,7 +104,7 @@ std::vector<json> cloths() {
       "lifetime": 3, "min_thickness": 1e-5, "limit_suction": true, "surface_tension": 0.07, "contact_angle": 0,
       "pore_diameter": 5e-5, "vapour_pressure": 2340, "leak": true, "permeability": 1e-3, "vent": true,
       "viscosity": 18e-6, "film_gap": 2e-4, "bridge_gap": 2.7e-3, "rim_width": 5e-3, "wet": 0.3, "adhesion": true},
-    "solver": {"dial": "default", "max_substep": 1e-3, "max_move": 0.25, "max_substeps": 40, "sweeps": 2,
+    "solver": {"dial": "default", "max_substep": 1e-3, "march_step": 7e-5, "max_move": 0.25, "max_substeps": 40, "sweeps": 2,
       "coarse_every": 1, "coarse_points": 7, "guard": true, "precision": "double"},
     "self_contact": {"on": true, "friction": 0.3}})");
   all.push_back(d);

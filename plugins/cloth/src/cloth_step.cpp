@@ -36,6 +36,7 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
   s.solver.set_velocities(s.velocities);
   s.solver.set_contacts(s.gatherer.contacts());
   s.place_hands(dt, near, held);
+  const long long marched = s.solver.profile().marched, refused = s.solver.profile().march_refused;
   const int parts = s.solver.begin_frame(dt);
   const double h = dt / parts;
   s.self_energy = s.solver.mechanical_energy();
@@ -58,6 +59,8 @@ void Cloth::advance_by(double dt, const Vec3& acceleration, NearColliders& near,
   }
   s.solver.end_frame();
   s.profile.counts.substeps = parts;
+  s.profile.counts.marched = static_cast<int>(s.solver.profile().marched - marched);
+  s.profile.counts.march_refused = static_cast<int>(s.solver.profile().march_refused - refused);
   s.end_air(dt, near);
   s.read(dt, near, held);
   end_positions_ = s.positions;

@@ -16,6 +16,8 @@ struct ClothProfile {
   };
   struct Counts {
     int substeps = 0;
+    int marched = 0;            // explicit steps that they were taken by; 0 where all were swept
+    int march_refused = 0;      // small steps of explicit steps that were taken back and swept
     int planes = 0;             // contact planes at the start
     int queries = 0;            // nearest points asked of core
     int gathered_again = 0;     // times a point moved farther than foreseen
