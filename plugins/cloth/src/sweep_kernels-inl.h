@@ -20,6 +20,7 @@ constexpr T std_tiny() {
 #include "gather-inl.h"
 // after both
 #include "move-inl.h"
+#include "push-inl.h"
 
 constexpr SweepKernelTable kKernels = {
     Of<float>::lanes,

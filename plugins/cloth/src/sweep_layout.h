@@ -8,6 +8,13 @@
 
 namespace softpoint::inline SOFTPOINT_ABI::cloth {
 
+// The ring of a grid's point: east first, counter-clockwise.
+inline constexpr int kEast[8] = {1, 1, 0, -1, -1, -1, 0, 1};
+inline constexpr int kNorth[8] = {0, 1, 1, 1, 0, -1, -1, -1};
+// The neighbours that bending over two cells may reach.
+inline constexpr int kBendEast[12] = {1, 0, -1, 0, 2, 0, -2, 0, 1, -1, -1, 1};
+inline constexpr int kBendNorth[12] = {0, 1, 0, -1, 0, 2, 0, -2, 1, 1, -1, -1};
+
 // Where the points of a pattern lie in memory: by colour, so that no spring, face or bending element of a
 // mesh joins two points of one colour (on a grid, bending over two cells does). A grid of four colours keeps
 // the distance from a point to each of its neighbours constant within a colour.
