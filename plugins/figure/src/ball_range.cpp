@@ -8,6 +8,8 @@
 namespace softpoint::inline SOFTPOINT_ABI::figure {
 namespace {
 
+constexpr double kShareOfCone = 0.2;  // rows of a cone turn with the ball: in a part of a step, by no more
+
 Mat3 frame_of(const Link& link) {
   Mat3 frame;
   frame << link.swing_axis, link.axis.cross(link.swing_axis), link.axis;
@@ -67,7 +69,8 @@ BallRange::BallRange(const Link& link)
       across_(1 / (link.swing_across * link.swing_across)),
       size_(std::min(link.swing_about, link.swing_across)),
       middle_(link.lower > -1e9 ? 0.5 * (link.lower + link.upper) : 0),
-      farthest_(0.5 * (std::numbers::pi - std::max(link.swing_about, link.swing_across))) {}
+      farthest_(std::min(0.5 * (std::numbers::pi - std::max(link.swing_about, link.swing_across)),
+                         kShareOfCone * size_)) {}
 
 BallRange::Turn BallRange::turn(const double* q) const {
   const Vec3 v = frame_.transpose() * Vec3(q[1], q[2], q[3]);

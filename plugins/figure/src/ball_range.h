@@ -34,7 +34,8 @@ class BallRange {
   Row swing_row(const Turn& turn, const Vec3& spin) const;
   Row twist_row(const Turn& turn, const Vec3& spin) const;
 
-  // Of turns that can be gone through at once without leaving the cone on its far side (rad).
+  // Of turns to be gone through at once (rad): the cone is not left on its far side, and its row turns
+  // little.
   double farthest() const { return farthest_; }
 
  private:
