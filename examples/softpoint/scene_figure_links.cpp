@@ -155,8 +155,10 @@ void read_figure_link(ObjectReader& item, FigureLinks& parts) {
                            .fallback = 0,
                            .doc = "of a cylinder from `from` to `tip`; 0 between hinges of one joint"});
   const double factor = item.number(
-      "friction",
-      {.low = 0, .high = 1, .fallback = 1, .doc = "in mode paper: factor of the joint's speed in 1/30 s"});
+      "friction", {.low = 0,
+                   .high = 1,
+                   .fallback = 1,
+                   .doc = "factor of the joint's speed in 1/30 s; by viscous friction but in mode paper"});
   const int index = static_cast<int>(parts.links.size());
   if (factor < 1) parts.paper_friction.emplace_back(index, factor);
   if (tip && !item.describing()) {

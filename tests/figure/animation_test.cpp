@@ -105,6 +105,35 @@ TEST(Animation, QuinticGoesOnWithTheAccelerationOfTheDynamics) {
   EXPECT_GT(std::abs(next / dt - inside), 0.02 * std::abs(inside));
 }
 
+// A wheel that is let go slows by the paper's factor in every 1/30 s, in the paper's steps and in exact ones.
+TEST(Animation, ThePapersFrictionIsTheSameInExactSteps) {
+  Link wheel;
+  wheel.name = "wheel";
+  set_cylinder(wheel, 4.0, 0.5, 0.1);
+  const FigureModel model({wheel});
+  for (const double factor : {1.0, 0.8, 0.4, 0.01}) {
+    for (const Integrator integrator :
+         {Integrator::kPaper, Integrator::kRungeKutta4, Integrator::kDormandPrince}) {
+      FigureClip clip;
+      clip.end = 1;
+      clip.tracks = {{0, Interpolation::kCubic, {{0, {0}, {}}, {0.5, {3}, {}}}}};
+      clip.dynamics = {{0.5, 1, {0}}};
+      AnimationSettings settings;
+      settings.integrator = integrator;
+      settings.limits = LimitMode::kNone;
+      settings.substeps = 8;
+      settings.paper_friction = {{0, factor}};
+      FigureAnimation animation(model, clip, settings);
+      animation.evaluate();
+      const double first = animation.frame(15).qd[0];
+      ASSERT_GT(std::abs(first), 0.1);
+      for (int k = 16; k < 20; ++k) {
+        EXPECT_NEAR(animation.frame(k).qd[0] / first, std::pow(factor, k - 15), 1e-4) << factor << ' ' << k;
+      }
+    }
+  }
+}
+
 TEST(Animation, PinnedPointStays) {
   const FigureModel model = humanoid();
   FigureAnimation animation(model, arms_fall(model, Interpolation::kSmooth));

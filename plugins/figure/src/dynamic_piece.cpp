@@ -1,6 +1,7 @@
 #include "dynamic_piece.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ball_range.h"
 #include "softpoint/core/error.h"
@@ -21,6 +22,37 @@ FigureState state_inside(const FigureModel& model) {
     put_inside(model.links()[static_cast<std::size_t>(i)], inside.q.data() + model.position_offset(i));
   }
   return inside;
+}
+
+FigureModel with_friction_of(FigureModel model, const std::vector<int>& links,
+                             const AnimationSettings& settings) {
+  if (settings.integrator == Integrator::kPaper || settings.paper_friction.empty()) return model;
+  constexpr double kReference = 1.0 / 30;  // s, of the factors
+  constexpr double kLeastFactor = 1e-6;    // 0 would be endless friction
+  const auto count = static_cast<std::size_t>(model.link_count());
+  const auto flags = std::make_unique<bool[]>(count);
+  for (const int link : links) flags[static_cast<std::size_t>(link)] = true;
+  FigureDynamics dynamics(model);
+  dynamics.set_dynamic({flags.get(), count});
+  const FigureState pose = state_inside(model);
+  std::vector<double> accelerations(pose.qd.size(), 0.0), torque(pose.qd.size(), 0.0);
+  dynamics.forward(pose.q.data(), pose.qd.data(), nullptr, accelerations.data());
+  std::vector<Link> result = model.links();
+  for (const auto& [link, factor] : settings.paper_friction) {
+    Link& joint = result[static_cast<std::size_t>(link)];
+    const int dofs = velocity_count(joint.joint);
+    if (!flags[static_cast<std::size_t>(link)] || joint.joint == JointKind::kFree || dofs == 0) continue;
+    double mobility = 0;  // (H^-1)_ii; of a ball the mean
+    for (int k = 0; k < dofs; ++k) {
+      const auto v = static_cast<std::size_t>(model.velocity_offset(link) + k);
+      torque[v] = 1;
+      dynamics.respond_to_torques(torque.data(), accelerations.data());
+      torque[v] = 0;
+      mobility += accelerations[v] / dofs;
+    }
+    if (mobility > 0) joint.damping -= std::log(std::max(factor, kLeastFactor)) / (kReference * mobility);
+  }
+  return FigureModel(std::move(result));
 }
 
 void BaseRule::apply(const FigureModel& model, double* q, double* qd, double* qdd) const {
@@ -57,7 +89,7 @@ void KeyedMotion::evaluate(double time, double* q, double* qd, double* qdd) cons
 DynamicPiece::DynamicPiece(const FigureModel& model, std::vector<int> links,
                            const AnimationSettings& settings,
                            const std::vector<std::optional<TrackSpline>>& splines)
-    : model_(with_ranges_of(model, links)),
+    : model_(with_friction_of(with_ranges_of(model, links), links, settings)),
       links_(std::move(links)),
       is_dynamic_(static_cast<std::size_t>(model.link_count()), 0),
       substeps_(settings.substeps),

@@ -42,6 +42,11 @@ class KeyedMotion final : public PrescribedMotion {
 // The model with the ranges of some links' joints alone, and a state inside them.
 FigureModel with_ranges_of(const FigureModel& model, const std::vector<int>& links);
 FigureState state_inside(const FigureModel& model);
+// With the settings' factors of the paper as viscous friction of those of the links that have one, where the
+// integrator is not the paper's: a joint alone then slows by its factor in 1/30 s, whatever the step. The
+// inertia that counts is that which the joint meets with all the links dynamic in the pose state_inside().
+FigureModel with_friction_of(FigureModel model, const std::vector<int>& links,
+                             const AnimationSettings& settings);
 
 // Dynamic joints that depend on each other, simulated apart from all others. Remembers, frame by frame, what
 // it was made of and what came out.

@@ -44,7 +44,7 @@ void LandingRule::choose(const std::vector<char>& dynamic) {
     if (dynamic[i]) links.push_back(static_cast<int>(i));
     if (!flags[i]) motion_.links.push_back(static_cast<int>(i));
   }
-  free_model_.emplace(with_ranges_of(model_, links));
+  free_model_.emplace(with_friction_of(with_ranges_of(model_, links), links, settings_));
   stepper_.emplace(*free_model_, state_inside(*free_model_), settings_.integrator);
   stepper_->dynamics().set_gravity(settings_.gravity);
   stepper_->set_dynamic({flags.get(), dynamic.size()});

@@ -15,7 +15,8 @@ struct AnimationSettings {
   LimitMode limits = LimitMode::kExact;  // of the dynamic joints
   Vec3 gravity{0, 0, -9.81};             // m/s2
   double friction = 0.8;                 // Coulomb's, of kContact
-  // The paper's friction of step (7), with kPaper limits: link and factor in 1/30 s.
+  // The paper's friction of step (7): link and factor of the rate in 1/30 s. Integrators other than the paper's
+  // take it as viscous friction with which the joint alone slows by that factor.
   std::vector<std::pair<int, double>> paper_friction;
 };
 
