@@ -1,13 +1,9 @@
-// The only source that knows FCL, which has the broad phase. Its narrow phase was measured (0.7) and left
-// out: contacts of two capsules are right about yes or no but wrong about the depth, by up to 0.15 m; signed
-// distances abort or cost fifty times the closed form; nearest points of a capsule and a mesh come in the
-// wrong order. So capsules against half-spaces, boxes, capsules and triangles are closed forms, and the tests
-// hold them against what of FCL is right: unsigned distances.
-#include "softpoint/figure/figure_collision.h"
-
-#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
-#include <fcl/geometry/shape/box.h>
-#include <fcl/narrowphase/collision_object.h>
+// The only source, with its own header, that knows FCL, which has the broad phase. Its narrow phase was
+// measured (0.7) and left out: contacts of two capsules are right about yes or no but wrong about the depth,
+// by up to 0.15 m; signed distances abort or cost fifty times the closed form; nearest points of a capsule
+// and a mesh come in the wrong order. So capsules against half-spaces, boxes, capsules and triangles are
+// closed forms, and the tests hold them against what of FCL is right: unsigned distances.
+#include "figure_collision_impl.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -17,37 +13,6 @@
 #include "softpoint/core/limits.h"
 
 namespace softpoint::inline SOFTPOINT_ABI::figure {
-namespace figure_collision_parts {
-
-using Object = fcl::CollisionObject<double>;
-
-// A box of the broad phase, never turned: FCL puts a loose cube around what is.
-struct Proxy {
-  explicit Proxy(int which)
-      : index(which),
-        box(std::make_shared<fcl::Box<double>>(1, 1, 1)),
-        object(std::make_unique<Object>(box)) {
-    object->setUserData(this);
-  }
-  void set(const Vec3& low, const Vec3& high) {
-    box->side = high - low;
-    box->computeLocalAABB();
-    object->setTranslation(0.5 * (low + high));
-    object->computeAABB();
-  }
-  int index;
-  std::shared_ptr<fcl::Box<double>> box;
-  std::unique_ptr<Object> object;
-};
-
-struct Placed {
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
-};
-
-}  // namespace figure_collision_parts
-using figure_collision_parts::Object;
-using figure_collision_parts::Placed;
-using figure_collision_parts::Proxy;
 
 Obstacle half_space(const Vec3& point, const Vec3& normal) {
   if (!(normal.norm() > 1e-9)) {
@@ -58,35 +23,6 @@ Obstacle half_space(const Vec3& point, const Vec3& normal) {
   result.orientation = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
   return result;
 }
-
-struct __attribute__((visibility("hidden"))) FigureCollision::Impl {
-  Impl(std::vector<LinkCapsule> shapes, std::vector<Obstacle> things)
-      : capsules(std::move(shapes)), obstacles(std::move(things)), placed(capsules.size()) {}
-
-  void set_boxes(double reach);
-  void test(int capsule, int obstacle, double reach);
-  void test_pair(int capsule, int other, double reach);
-  void test_plane(int capsule, const Obstacle& plane, int index, double reach);
-  void test_box(int capsule, const Obstacle& box, int index, double reach);
-  void test_mesh(int capsule, const Obstacle& mesh, int index, double reach);
-  void keep(int capsule, int obstacle, int other, double along, double distance, const Vec3& normal,
-            double reach);
-  Vec3 point_of(int capsule, double along) const {
-    const Placed& p = placed[static_cast<std::size_t>(capsule)];
-    return p.from + along * (p.to - p.from);
-  }
-  void place_obstacle(std::size_t index);
-
-  std::vector<LinkCapsule> capsules;
-  std::vector<Obstacle> obstacles;
-  std::vector<std::pair<int, int>> pairs;  // of capsules
-  std::vector<Placed> placed;
-  std::vector<Touch> touches;
-  Counts counts;
-  std::vector<std::unique_ptr<Proxy>> moving, standing;
-  fcl::DynamicAABBTreeCollisionManager<double> moving_tree, standing_tree;
-  std::vector<std::pair<int, int>> overlapping;
-};
 
 void FigureCollision::Impl::keep(int capsule, int obstacle, int other, double along, double distance,
                                  const Vec3& normal, double reach) {

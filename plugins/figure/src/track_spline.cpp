@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bernstein.h"
 #include "softpoint/core/error.h"
 #include "softpoint/figure/keyframes.h"
 #include "turn_vector.h"
@@ -16,34 +17,6 @@ using Eigen::Quaterniond;
 Vec3 vec3_from(const double* x) { return {x[0], x[1], x[2]}; }
 void put_three(const Vec3& x, double* to) { std::copy_n(x.data(), 3, to); }
 Quaterniond quaternion_from(const double* x) { return {x[0], x[1], x[2], x[3]}; }
-
-// Weights of the increments of a segment of `degree`, and their derivatives by u.
-struct Weights {
-  double value[5], first[5], second[5];
-};
-
-double bernstein(int n, int i, double u) {
-  constexpr double kChoose[6][6] = {{1},          {1, 1},          {1, 2, 1},
-                                    {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
-  if (i < 0 || i > n) return 0;
-  double x = kChoose[n][i];
-  for (int k = 0; k < i; ++k) x *= u;
-  for (int k = i; k < n; ++k) x *= 1 - u;
-  return x;
-}
-
-Weights weights(int degree, double u) {
-  Weights w{};
-  double sum = 0;
-  for (int i = degree; i >= 1; --i) {
-    sum += bernstein(degree, i, u);
-    w.value[i - 1] = sum;
-    w.first[i - 1] = degree * bernstein(degree - 1, i - 1, u);
-    w.second[i - 1] =
-        degree * (degree - 1) * (bernstein(degree - 2, i - 2, u) - bernstein(degree - 2, i - 1, u));
-  }
-  return w;
-}
 
 // A key's three numbers of one kind, slid or turned, as the construction wants them.
 struct Knot {
@@ -245,7 +218,7 @@ void TrackSpline::evaluate(double time, double* q, double* qd, double* qdd) cons
   const Segment& s = *(it - 1);
   const double h = s.end - s.begin, u = std::min(1.0, (time - s.begin) / h);
   const double moving = time > s.end ? 0 : 1;  // after the last key
-  const Weights w = weights(degree_, u);
+  const BernsteinWeights w = bernstein_weights(degree_, u);
   const int v = slides_ == 3 ? 3 : 0;
   for (int k = 0; k < slides_; ++k) {
     double x = s.slide[k], first = 0, second = 0;
