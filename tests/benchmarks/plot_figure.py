@@ -8,6 +8,10 @@ COLORS = {"paper": "#3a7d44", "rk4": "#c1121f", "dopri5": "#1d5fa8", "variationa
 WIDTH, HEIGHT, LEFT, TOP = 420, 330, 64, 36  # of a panel, and its margins
 
 
+def power_of_ten(power):
+    return f'10<tspan dy="-5" font-size="9">{power}</tspan>'.replace(">-", ">−")
+
+
 def panel(rows, task, left):
     times = [float(r["us a simulated second"]) for r in rows if r["task"] == task]
     x_low, x_high = math.floor(math.log10(min(times))), math.ceil(math.log10(max(times)))
@@ -25,11 +29,13 @@ def panel(rows, task, left):
     for power in range(x_low, x_high + 1):
         at = x(10.0**power)
         out.append(f'<path d="M{at:.1f} {TOP}v{HEIGHT}" stroke="#ddd"/>')
-        out.append(f'<text x="{at:.1f}" y="{TOP + HEIGHT + 18}" text-anchor="middle">1e{power}</text>')
+        out.append(f'<text x="{at:.1f}" y="{TOP + HEIGHT + 18}" text-anchor="middle">{power_of_ten(power)}</text>')
     for power in range(y_low, y_high + 1, 2):
         at = y(10.0**power)
         out.append(f'<path d="M{left} {at:.1f}h{WIDTH}" stroke="#ddd"/>')
-        out.append(f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">1e{power}</text>')
+        out.append(f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{power_of_ten(power)}</text>')
+    out.append(f'<text transform="translate({left - 42} {TOP + HEIGHT / 2}) rotate(-90)" text-anchor="middle">'
+               'error at the end, m or rad</text>')
     for name, color in COLORS.items():
         points = [(float(r["us a simulated second"]), float(r["error"])) for r in rows
                   if r["task"] == task and r["integrator"] == name]
