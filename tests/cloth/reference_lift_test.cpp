@@ -66,19 +66,27 @@ TEST(ReferenceLift, DISABLED_TailOfTheStretchAtTwoPoints) {
   EXPECT_LT(off, 0.2);
 }
 
-TEST(ReferenceLift, CentreByTheExactDial) {
-  if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
-  const ClothErrors errors = errors_of(centre_lift(), Dial::kExact);
+// Fine-step runs from starts shaken by 1 um differ by 0.006 to 0.049 N and by 3 to 32 % in the 99th
+// percentile of stretch; at two points by 0.014 to 0.042 N and 9 to 24 %. These starts are not shaken, as the
+// references' are not: 0.022 N and 10 %; 0.024 N and 7 %. Shaken by 1 um: 0.017 to 0.023 N and 7 to 22 %;
+// 0.03 to 0.15 N and 8 to 56 %.
+void expect_exact(const LiftTask& task) {
+  const ClothErrors errors = errors_of(task, Dial::kExact);
   EXPECT_LT(errors.force, 0.03);
   EXPECT_LT(errors.pressure, 50);
   EXPECT_LT(errors.volume, 0.5e-6);
+  EXPECT_LT(errors.p99_stretch, 0.2);
   EXPECT_LT(errors.max_stretch, 0.015);
 }
 
-// Off by 15 %.
-TEST(ReferenceLift, TailOfTheStretchByTheExactDial) {
+TEST(ReferenceLift, CentreByTheExactDial) {
   if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
-  EXPECT_LT(errors_of(centre_lift(), Dial::kExact).p99_stretch, 0.2);
+  expect_exact(centre_lift());
+}
+
+TEST(ReferenceLift, TwoPointsByTheExactDial) {
+  if (!full_tier()) GTEST_SKIP() << "with SOFTPOINT_TEST_FULL=1 only";
+  expect_exact(two_point_lift());
 }
 
 // Hung by two corners, dry, without drag: the centre of mass over the first half second.

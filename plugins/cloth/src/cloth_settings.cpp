@@ -15,7 +15,7 @@ ClothSettings settings_of(Dial dial) {
     case Dial::kDefault:
       break;
     case Dial::kExact:
-      settings.max_substep = 1.0 / 6000;
+      settings.max_substep = 1.0 / 12000;
       settings.march_step = 1.0 / 36000;
       settings.max_move = 0.1;
       settings.sweeps = 4;
