@@ -58,13 +58,18 @@ std::string text(const char* format, double a, double b = 0) {
 std::vector<Entry> entries() {
   std::vector<Entry> all;
   const auto ours = [&all](const std::string& name, const ClothSettings& settings) {
-    all.push_back(
-        {"softpoint", name, false, [settings](const LiftTask& t) { return timed_solver(t, settings); }});
+    all.push_back({settings.march_step > 0 ? "softpoint" : "softpoint, sweeps alone", name, false,
+                   [settings](const LiftTask& t) { return timed_solver(t, settings); }});
   };
   ours("fast", settings_of(Dial::kFast));
   ours("default", settings_of(Dial::kDefault));
   ours("exact", settings_of(Dial::kExact));
-  for (const int substeps : {5, 10, 40, 80, 160}) {
+  for (const double step : {1.0 / 10800, 1.0 / 28800}) {
+    ClothSettings settings = settings_of(Dial::kDefault);
+    settings.march_step = step;
+    ours(text("explicit steps of %.0f us", 1e6 * step), settings);
+  }
+  for (const int substeps : {5, 10, 20, 40, 80, 160}) {
     ClothSettings settings = settings_of(Dial::kDefault);
     settings.march_step = 0;  // sweeps alone
     settings.max_substep = 1.0 / 60 / substeps;

@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 
 STYLE = {
     "softpoint": ("#c1121f", "o", "-"),
+    "softpoint, sweeps alone": ("#f28482", "o", "--"),
     "the thesis, scalar": ("#3a7d44", "^", "-"),
     "the thesis, SIMD double": ("#7fb069", "s", "-"),
     "the thesis, SIMD single": ("#1d5fa8", "D", "-"),
