@@ -11,6 +11,7 @@ ClothSettings settings_of(Dial dial) {
   switch (dial) {
     case Dial::kFast:
       settings.max_substep = 1.0 / 600;
+      settings.march_step = 1.0 / 12000;
       break;
     case Dial::kDefault:
       break;
