@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cone_chain.h"
+#include "many_starts.h"
 #include "softpoint/figure/figure_stepper.h"
 #include "support/tier.h"
 
@@ -123,36 +124,10 @@ TEST(BallLimits, OrdersHoldThroughTheEventsOfBalls) {
 }
 
 TEST(BallLimits, ManyStartsStayInsideAndEverySearchEnds) {
-  const int starts = by_tier(1000, 20, 2);
-  for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
-    RandomFigures random(5);
-    double violation = 0;
-    LimitCounts sum;
-    long long guard = 0;
-    for (int trial = 0; trial < starts; ++trial) {
-      const FigureModel model = cone_chain(3, trial % 2 == 0);
-      FigureStepper stepper(model, random_inside(model, random, 3.0));
-      stepper.set_limits(LimitMode::kExact);
-      for (int i = 0; i * dt < 0.5; ++i) {
-        stepper.step(dt);
-        violation = std::max(violation, outside_ranges(model, stepper.state()));
-      }
-      const LimitCounts& counts = stepper.limit_counts();
-      sum.impacts += counts.impacts;
-      sum.releases += counts.releases;
-      sum.passes += counts.passes;
-      sum.capped += counts.capped;
-      sum.unfinished += counts.unfinished;
-      guard += stepper.guard_fired();
-    }
-    std::printf("    dt %.4f: %lld impacts, %lld releases, %lld passes, outside by %.1e\n", dt, sum.impacts,
-                sum.releases, sum.passes, violation);
-    EXPECT_GT(sum.impacts, 2 * starts);
-    EXPECT_LE(violation, 1e-10);
-    EXPECT_EQ(sum.capped, 0);
-    EXPECT_EQ(sum.unfinished, 0);
-    EXPECT_EQ(guard, 0);
-  }
+  expect_many_starts_stay_inside(by_tier(1000, 20, 2), 5, 2, [](RandomFigures& random, int trial) {
+    const FigureModel model = cone_chain(3, trial % 2 == 0);
+    return FigureStepper(model, random_inside(model, random, 3.0));
+  });
 }
 
 TEST(BallLimits, ABlowNeverRaisesTheKineticEnergy) {

@@ -25,6 +25,19 @@ inline S3<T> congruent(const M3<T>& a, const M3<T>& b) {
   return {dot(a.x, b.x), dot(a.x, b.y), dot(a.x, b.z), dot(a.y, b.y), dot(a.y, b.z), dot(a.z, b.z)};
 }
 
+// What is left of the inertia `i` above a ball that yields; armature, pivot and solved are known.
+template <class T>
+inline void leave_ball(const BallWork<T>& ball, Inertia6<T>& i) {
+  const S3<T> lost = congruent(i.couple, ball.solved);
+  i.move = {i.move.xx - lost.xx, i.move.xy - lost.xy, i.move.xz - lost.xz,
+            i.move.yy - lost.yy, i.move.yz - lost.yz, i.move.zz - lost.zz};
+  const T armature = ball.armature, square = armature * armature;
+  i.couple = {ball.solved.x * armature, ball.solved.y * armature, ball.solved.z * armature};
+  // turn - turn D^-1 turn = armature (1 - armature D^-1): no difference of nearly equal matrices
+  i.turn = {armature - square * ball.pivot.xx, -square * ball.pivot.xy, -square * ball.pivot.xz,
+            armature - square * ball.pivot.yy, -square * ball.pivot.yz, armature - square * ball.pivot.zz};
+}
+
 // (4), (5) of a dynamic joint: what is left of the body's inertia once the joint yields. tau: its torque;
 // own: its own inertia.
 template <class T>
@@ -69,15 +82,7 @@ inline void yield(const TreeBody& body, double own, const T* tau, BodyWork<T>& w
       const V6<T> moved = i * work.drift;
       const V3<T> gain = ball.pivot * (ball.push - moved.turn);
       work.bias = work.bias + moved + V6<T>{i.turn * gain, transposed_times(i.couple, gain)};
-      const S3<T> lost = congruent(i.couple, ball.solved);
-      i.move = {i.move.xx - lost.xx, i.move.xy - lost.xy, i.move.xz - lost.xz,
-                i.move.yy - lost.yy, i.move.yz - lost.yz, i.move.zz - lost.zz};
-      i.couple = {ball.solved.x * armature, ball.solved.y * armature, ball.solved.z * armature};
-      // turn - turn D^-1 turn = armature (1 - armature D^-1): no difference of nearly equal matrices
-      const T square = armature * armature;
-      i.turn = {armature - square * ball.pivot.xx, -square * ball.pivot.xy,
-                -square * ball.pivot.xz,           armature - square * ball.pivot.yy,
-                -square * ball.pivot.yz,           armature - square * ball.pivot.zz};
+      leave_ball(ball, i);
       break;
     }
     case JointKind::kFree:

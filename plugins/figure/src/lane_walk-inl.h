@@ -225,14 +225,7 @@ inline void lane_yield(const LaneStep& step, const LaneBody<C>& body, const T* t
       ball.solved = {ball.pivot * i.couple.x, ball.pivot * i.couple.y, ball.pivot * i.couple.z};
       p.turn = torque - (ball.pivot * ball.push) * armature;
       p.move = p.move + transposed_times(ball.solved, ball.push);
-      const S3<T> lost = congruent(i.couple, ball.solved);
-      i.move = {i.move.xx - lost.xx, i.move.xy - lost.xy, i.move.xz - lost.xz,
-                i.move.yy - lost.yy, i.move.yz - lost.yz, i.move.zz - lost.zz};
-      i.couple = {ball.solved.x * armature, ball.solved.y * armature, ball.solved.z * armature};
-      const T square = armature * armature;
-      i.turn = {armature - square * ball.pivot.xx, -square * ball.pivot.xy,
-                -square * ball.pivot.xz,           armature - square * ball.pivot.yy,
-                -square * ball.pivot.yz,           armature - square * ball.pivot.zz};
+      leave_ball(ball, i);
       break;
     }
     case JointKind::kFree: {
